@@ -1,0 +1,55 @@
+// Linear depth (scene units), view-space normal turned to the viewer, base colour with the direct light in alpha.
+// Each target is there only when some pass reads it.
+#include "lib/normal.glsl"
+
+VARYING vec3 v_position;
+#ifdef SMOOTH
+VARYING vec3 v_normal;
+#endif
+#ifdef VERTEX_COLOR
+VARYING vec4 v_color;
+#endif
+uniform vec4 u_color;  // base colour, sRGB
+uniform vec3 u_light;  // unit vector to the light, view space
+
+#ifdef DEPTH_TARGET
+layout(location = DEPTH_TARGET) out vec4 out_z;
+#endif
+#ifdef NORMAL_TARGET
+layout(location = NORMAL_TARGET) out vec4 out_normal;
+#endif
+#ifdef COLOR
+layout(location = COLOR) out vec4 out_color;
+#endif
+
+void main() {
+#ifdef DEPTH_TARGET
+    out_z = vec4(-v_position.z);
+#endif
+#ifdef NORMAL
+    // The side of the triangle that is seen, whatever its winding and whatever its normals say.
+    vec3 face = cross(dFdx(v_position), dFdy(v_position));
+    vec3 seen = dot(face, v_position) > 0.0 ? -face : face;
+    // Scaled first: the square of a tiny area would vanish in 32-bit floats.
+    seen /= max(max(abs(seen.x), abs(seen.y)), max(abs(seen.z), 1e-37));
+    float area2 = dot(seen, seen);
+    vec3 n = area2 > 0.0 ? seen * inversesqrt(area2) : vec3(0.0, 0.0, 1.0);
+#ifdef SMOOTH
+    // The interpolated normal, on that side; where it is missing or vanishes the triangle's own stays.
+    float length2 = dot(v_normal, v_normal);
+    vec3 smoothed = v_normal * inversesqrt(max(length2, 1e-37));
+    if (length2 > 1e-37) n = dot(smoothed, n) < 0.0 ? -smoothed : smoothed;
+#endif
+#ifdef NORMAL_TARGET
+    out_normal = vec4(ssao_encode_normal(n), 0.0, 0.0);
+#endif
+#ifdef COLOR
+#ifdef VERTEX_COLOR
+    vec3 color = v_color.rgb * u_color.rgb;
+#else
+    vec3 color = u_color.rgb;
+#endif
+    out_color = vec4(color, max(0.0, dot(n, u_light)));
+#endif
+#endif
+}

@@ -1,0 +1,57 @@
+"""Every error that ssao_gl raises on purpose.
+
+::
+
+    SsaoError            exit code of the command line: 2
+    ├── ContextError     no usable OpenGL (3)
+    ├── ShaderError      a shader text is missing, or the driver refused it
+    ├── GraphError       a frame graph that cannot be compiled
+    ├── FormatError      an array, picture or texture of the wrong shape, type or content
+    ├── SettingsError    a parameter out of range, an unknown name
+    └── SceneError       a scene, mesh or camera file that cannot be used
+
+A message says what is wrong, where, what was expected and what to do, on one line where that fits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class SsaoError(Exception):
+    """Base of all; ``exit_code`` is what the command line ends with."""
+
+    exit_code = 2
+
+
+class ContextError(SsaoError):
+    """No OpenGL could be opened, or the one that was opened lacks something we cannot do without."""
+
+    exit_code = 3
+
+
+class ShaderError(SsaoError):
+    """A shader could not be assembled, compiled or linked."""
+
+
+class GraphError(SsaoError):
+    """The frame graph is contradictory."""
+
+
+class FormatError(SsaoError):
+    """An array, picture or texture has the wrong shape, dtype or content."""
+
+
+class SettingsError(SsaoError):
+    """A setting is unknown or out of its range."""
+
+
+class SceneError(SsaoError):
+    """A scene or camera cannot be read or drawn."""
+
+
+def near_miss(name: str, known: Iterable[str]) -> str:
+    """``" Did you mean 'x'?"`` when something like ``name`` is known, else ``""``."""
+    close = get_close_matches(name, list(known), 1, 0.5)
+    return f" Did you mean '{close[0]}'?" if close else ""

@@ -1,0 +1,125 @@
+"""An OpenGL context that ssao_gl can draw with: moderngl's context, the raw functions beside it, and what it can do."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+import moderngl
+
+from ..errors import ContextError
+from .loader import Functions, GetProc, Loader
+
+Api = Literal["es", "gl"]
+
+GL_VENDOR, GL_RENDERER, GL_VERSION, GL_EXTENSIONS, GL_NUM_EXTENSIONS = 0x1F00, 0x1F01, 0x1F02, 0x1F03, 0x821D
+GL_MAX_TEXTURE_SIZE = 0x0D33
+SOFTWARE = ("llvmpipe", "softpipe", "swiftshader", "software", "swrast", "lavapipe")
+
+
+@dataclass
+class Context:
+    """One OpenGL (ES) context. Use it in the thread that made it, and ``release`` it, or leave a ``with`` block."""
+
+    provider: str
+    platform: str
+    api: Api
+    mgl: moderngl.Context
+    functions: Functions
+    loader: Loader | None = None
+    make_current: Callable[[], None] = lambda: None
+    close: Callable[[], None] = lambda: None
+    """Destroys what :func:`ssao_gl.gl.open` made; does nothing for a context of the caller."""
+    version: str = field(init=False)
+    renderer: str = field(init=False)
+    released: bool = field(init=False, default=False)
+
+    def __post_init__(self) -> None:
+        self.version = self.functions.string(GL_VERSION)
+        self.renderer = self.functions.string(GL_RENDERER)
+
+    def __enter__(self) -> Context:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.release()
+
+    def release(self) -> None:
+        """Destroy the context if ssao_gl made it. Calling it twice does no harm."""
+        if not self.released:
+            self.released = True
+            self.close()
+
+    @property
+    def software(self) -> bool:
+        """Whether the CPU draws. Then GL timers mean nothing and the wall clock is used."""
+        return any(word in self.renderer.lower() for word in SOFTWARE)
+
+    @property
+    def dialect(self) -> str:
+        """The shader dialect that this context compiles."""
+        return "es300" if self.api == "es" else "gl330"
+
+    @property
+    def max_size(self) -> int:
+        """Largest width or height of a texture, in pixels."""
+        return self.functions.integers(GL_MAX_TEXTURE_SIZE)[0]
+
+    def extensions(self) -> frozenset[str]:
+        """Names of all extensions."""
+        get = self.functions("glGetStringi", ctypes.c_char_p, ctypes.c_uint, ctypes.c_uint)
+        count = self.functions.integers(GL_NUM_EXTENSIONS)[0]
+        return frozenset((get(GL_EXTENSIONS, i) or b"").decode("ascii", "replace") for i in range(count))
+
+    def check_error(self, where: str) -> None:
+        """Raise ContextError when OpenGL has recorded an error since the last check; ``where`` names the work done."""
+        error = self.mgl.error
+        if error != "GL_NO_ERROR":
+            raise ContextError(f"{where}: OpenGL reports {error} ({self.provider}, {self.renderer})")
+        if self.loader and self.loader.absent_calls:
+            names = ", ".join(dict.fromkeys(self.loader.absent_calls))
+            raise ContextError(f"{where}: called {names}, which this OpenGL does not have ({self.provider}, {self.version})")
+
+
+def attach(
+    provider: str,
+    platform: str,
+    get_proc: GetProc,
+    *,
+    api: Api | None = None,
+    make_current: Callable[[], None] = lambda: None,
+    close: Callable[[], None] = lambda: None,
+) -> Context:
+    """A :class:`Context` over whatever context is current, its functions found by ``get_proc``.
+
+    Raises ContextError when nothing is current or the version is too old (OpenGL ES 3.0 or OpenGL 3.3 is needed).
+    """
+    functions = Functions(get_proc)
+    if not get_proc("glGetString"):
+        raise ContextError("get_proc finds no glGetString: is it the right function for this context?")
+    text = functions.string(GL_VERSION)
+    if not text:
+        raise ContextError("no OpenGL context is current in this thread; make it current first")
+    found: Api = "es" if "OpenGL ES" in text else "gl"
+    number = re.search(r"(\d+)\.(\d+)", text)
+    version = int(number[1]) * 100 + int(number[2]) * 10 if number else 0
+    if api is not None and api != found:
+        raise ContextError(f"the current context is '{text}', not {'OpenGL ES' if api == 'es' else 'desktop OpenGL'}")
+    if version < (300 if found == "es" else 330):
+        raise ContextError(f"'{text}' is too old: OpenGL ES 3.0 or OpenGL 3.3 is needed")
+    loader = Loader(functions, es=found == "es")
+    mgl = moderngl.create_context(require=300, context=loader)
+    context = Context(provider, platform, found, mgl, functions, loader, make_current, close)
+    if found == "es":
+        _need_float_targets(context)
+    context.check_error("opening the context")
+    return context
+
+
+def _need_float_targets(context: Context) -> None:
+    """Linear depth is a 32-bit float target; ES 3.0 has those by an extension that nearly all drivers offer."""
+    if "EXT_color_buffer_float" not in " ".join(context.extensions()) and not context.version.startswith("OpenGL ES 3.2"):
+        raise ContextError(f"{context.renderer} ({context.version}) lacks EXT_color_buffer_float, which linear depth needs")

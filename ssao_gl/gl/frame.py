@@ -1,0 +1,200 @@
+"""Runs a compiled plan: owns its textures and framebuffers, draws its steps, times them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ..camera import View
+from ..errors import ContextError
+from ..graph import Plan, Step
+from ..sources import Define
+from .context import Context
+from .kit import FORMATS, Kit
+
+
+@dataclass(slots=True)
+class Stage:
+    """What a pass sees when it draws."""
+
+    kit: Kit
+    step: Step
+    target: moderngl.Framebuffer
+    textures: dict[str, moderngl.Texture]
+    view: View
+    context: Any = None
+    """What the caller of :meth:`Frame.run` passed along (the scene, say)."""
+
+    def fullscreen(
+        self,
+        fragment: str,
+        uniforms: Mapping[str, Any],
+        samplers: Mapping[str, str],
+        *,
+        defines: Mapping[str, Define] | None = None,
+        lookups: Mapping[str, NDArray[np.float32]] | None = None,
+    ) -> None:
+        """Draw one triangle with the shader ``fragment``.
+
+        ``samplers`` maps sampler uniforms to resource names, ``lookups`` to small repeating arrays; the constants of the
+        view are set where the shader declares them.
+        """
+        every = dict(defines or {})
+        if self.view.pinhole:
+            every["PINHOLE"] = 1
+        program, vao = self.kit.triangle(fragment, every)
+        unit = 0
+        units = {}
+        for name, resource in samplers.items():
+            self.kit.bind(unit, self.textures[resource])
+            units[name] = unit
+            unit += 1
+        for name, values in (lookups or {}).items():
+            self.kit.bind(unit, self.kit.lookup(values), repeat=True)
+            units[name] = unit
+            unit += 1
+        program.set(units)
+        program.set({k: v for k, v in self.view.constants.items() if k in program.declared})
+        program.set(uniforms)
+        self.target.use()
+        vao.render(moderngl.TRIANGLES)
+
+
+@dataclass(frozen=True, slots=True)
+class PassTime:
+    """Milliseconds that a pass took, and by which clock."""
+
+    name: str
+    ms: float
+    clock: str
+
+
+class Frame:
+    """The GL side of a plan. Raises ContextError when the driver cannot make its textures."""
+
+    def __init__(self, kit: Kit, plan: Plan) -> None:
+        self.kit, self.plan = kit, plan
+        ctx = kit.ctx
+        limit = ctx.max_size
+        if max(plan.frame) > limit:
+            raise ContextError(f"a frame of {plan.frame[0]}x{plan.frame[1]}: {ctx.renderer} draws at most {limit} a side")
+        self._owned: list[Any] = []
+        try:
+            self._slots = [self._make(slot.format, slot.size) for slot in plan.slots]
+            self._targets = [self._framebuffer(step) for step in plan.steps]
+        except moderngl.Error as error:
+            self.release()
+            raise ContextError(f"{ctx.renderer} cannot make the targets of {plan.frame[0]}x{plan.frame[1]}: {error}") from None
+        self._textures = {name: self._slots[slot] for name, slot in plan.where.items()}
+        self.times: list[PassTime] = []
+
+    def _make(self, format_: str, size: tuple[int, int]) -> Any:
+        mgl = self.kit.ctx.mgl
+        if format_ == "depth24":
+            made: Any = mgl.depth_renderbuffer(size)
+        else:
+            components, dtype = FORMATS[format_]
+            made = mgl.texture(size, components, dtype=dtype)
+            made.filter = (moderngl.NEAREST, moderngl.NEAREST)
+            made.repeat_x = made.repeat_y = False
+        self._owned.append(made)
+        return made
+
+    def _framebuffer(self, step: Step) -> moderngl.Framebuffer:
+        depth = None if step.depth_slot is None else self._slots[step.depth_slot]
+        made = self.kit.ctx.mgl.framebuffer([self._slots[slot] for slot in step.slots], depth)
+        self._owned.append(made)
+        return made
+
+    def run(
+        self,
+        view: View,
+        inputs: Mapping[str, moderngl.Texture] | None = None,
+        *,
+        context: Any = None,
+        targets: Mapping[str, moderngl.Framebuffer] | None = None,
+        timed: bool = False,
+        checked: bool = False,
+    ) -> dict[str, moderngl.Texture]:
+        """Draw every step and return the output textures by name.
+
+        ``targets`` draws an output into a framebuffer of the caller's instead. ``timed`` fills ``times``; ``checked``
+        asks OpenGL for errors after each pass and raises ContextError naming it.
+        """
+        textures = {**self._textures, **(inputs or {})}
+        stage = Stage(self.kit, self.plan.steps[0], self._targets[0], textures, view, context)
+        timer = Timer(self.kit.ctx) if timed else None
+        for step, target in zip(self.plan.steps, self._targets, strict=True):
+            stage.step, stage.target = step, target
+            if targets and len(step.writes) == 1 and step.writes[0] in targets:
+                stage.target = targets[step.writes[0]]
+            if timer:
+                timer.start()
+            step.task.draw(stage)
+            if timer:
+                timer.stop(step.task.name)
+            if checked:
+                self.kit.ctx.check_error(f"pass '{step.task.name}'")
+        if timer:
+            self.times = timer.results()
+        return {name: textures[name] for name in self.plan.outputs}
+
+    def read(self, name: str) -> NDArray[Any]:
+        """A resource of the plan as an array (h, w, channels), row 0 at the *bottom*: float32, or uint8 for 8-bit formats."""
+        index = next(i for i, step in enumerate(self.plan.steps) if name in step.writes)
+        step = self.plan.steps[index]
+        attachment = step.writes.index(name)
+        components, dtype = FORMATS[step.task.writes[name].format]
+        wide = "f1" if dtype == "f1" else "f4"
+        # Four channels whatever the format: the only reading that OpenGL ES promises.
+        data = self._targets[index].read(components=4, attachment=attachment, dtype=wide)
+        array = np.frombuffer(data, np.uint8 if wide == "f1" else np.float32)
+        w, h = step.size
+        return array.reshape(h, w, 4)[..., :components]
+
+    def release(self) -> None:
+        """Free every texture and framebuffer. Calling it twice does no harm."""
+        for made in reversed(self._owned):
+            made.release()
+        self._owned = []
+
+
+class Timer:
+    """Times passes: by GL's own timer on a GPU that has one, else by waiting for each pass with the wall clock."""
+
+    def __init__(self, ctx: Context) -> None:
+        self._ctx = ctx
+        # Software renderers answer timer queries with nonsense (llvmpipe: 9 microseconds for 500).
+        self._gpu = not ctx.software and (ctx.api == "gl" or "GL_EXT_disjoint_timer_query" in ctx.extensions())
+        self.clock = "gpu" if self._gpu else "wall"
+        self._queries: list[tuple[str, Any]] = []
+        self._began = 0.0
+        if not self._gpu:
+            ctx.mgl.finish()
+
+    def start(self) -> None:
+        if self._gpu:
+            query = self._ctx.mgl.query(time=True)
+            query.mglo.begin()
+            self._queries.append(("", query))
+        self._began = time.perf_counter()
+
+    def stop(self, name: str) -> None:
+        if self._gpu:
+            query = self._queries[-1][1]
+            query.mglo.end()
+            self._queries[-1] = (name, query)
+        else:
+            self._ctx.mgl.finish()
+            self._queries.append((name, 1e3 * (time.perf_counter() - self._began)))
+
+    def results(self) -> list[PassTime]:
+        if self._gpu:
+            return [PassTime(name, query.elapsed * 1e-6, self.clock) for name, query in self._queries]
+        return [PassTime(name, ms, self.clock) for name, ms in self._queries]

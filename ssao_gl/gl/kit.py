@@ -1,0 +1,127 @@
+"""What every pass draws with: compiled programs, samplers, one triangle, small look-up textures. One kit a context."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import sources
+from ..errors import ShaderError, near_miss
+from .context import Context
+
+FORMATS: Mapping[str, tuple[int, str]] = {"r8": (1, "f1"), "rgba8": (4, "f1"), "rg16f": (2, "f2"), "r32f": (1, "f4")}
+"""Texture formats of the graph: components and moderngl's dtype. All can be drawn into on OpenGL ES 3 and WebGL2."""
+
+_UNIFORM = re.compile(r"\buniform\s+(?:\w+\s+)?\w+\s+(\w+)\s*(?:\[|;)")
+
+
+class Program:
+    """A linked program whose uniforms are set only when they change."""
+
+    def __init__(self, ctx: Context, vertex: sources.Source, fragment: sources.Source, name: str) -> None:
+        try:
+            self.mgl = ctx.mgl.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
+        except moderngl.Error as error:
+            part = vertex if "vertex_shader" in str(error) else fragment
+            log = "; ".join(line.strip() for line in part.locate(str(error)).splitlines() if ":" in line)
+            raise ShaderError(f"{name} ({ctx.dialect}, {ctx.renderer}): {log}") from None
+        self.name = name
+        self.declared = frozenset(_UNIFORM.findall(vertex.text)) | frozenset(_UNIFORM.findall(fragment.text))
+        self._uniforms = {key: self.mgl[key] for key in self.mgl if isinstance(self.mgl[key], moderngl.Uniform)}
+        self._last: dict[str, Any] = {}
+
+    def set(self, values: Mapping[str, Any]) -> None:
+        """Set uniforms. Names that the driver optimised away are passed over; names no source declares raise ShaderError."""
+        for name, value in values.items():
+            last = self._last.get(name)
+            if last is value or (last is not None and not isinstance(value, np.ndarray) and last == value):
+                continue
+            self._last[name] = value
+            uniform = self._uniforms.get(name)
+            if uniform is None:
+                if name not in self.declared:
+                    raise ShaderError(f"{self.name} declares no uniform '{name}'.{near_miss(name, self.declared)}")
+            elif isinstance(value, np.ndarray):
+                uniform.write(np.ascontiguousarray(value, np.float32).tobytes())
+            else:
+                uniform.value = value
+
+    def release(self) -> None:
+        self.mgl.release()
+
+
+class Kit:
+    """GL objects that outlive a frame. ``release`` frees them all."""
+
+    def __init__(self, ctx: Context) -> None:
+        self.ctx = ctx
+        mgl = ctx.mgl
+        self._corner = mgl.buffer(np.array([-1, -1, 3, -1, -1, 3], "f4").tobytes())
+        self._programs: dict[Any, Program] = {}
+        self._triangles: dict[Any, moderngl.VertexArray] = {}
+        self._lookups: dict[bytes, moderngl.Texture] = {}
+        # Samplers of our own: a caller's sampler left on a unit, or a caller's texture with comparison or filtering
+        # on, would otherwise change what we read.
+        self._clamp = self._sampler(repeat=False)
+        self._repeat = self._sampler(repeat=True)
+
+    def _sampler(self, *, repeat: bool) -> moderngl.Sampler:
+        sampler = self.ctx.mgl.sampler(repeat_x=repeat, repeat_y=repeat, compare_func="")
+        sampler.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        return sampler
+
+    def program(self, vertex: str, fragment: str, defines: Mapping[str, sources.Define]) -> Program:
+        """The program of two shaders under ``defines``, compiled once. Raises ShaderError."""
+        key = (vertex, fragment, tuple(sorted(defines.items())))
+        program = self._programs.get(key)
+        if program is None:
+            dialect = self.ctx.dialect
+            texts = [sources.build(name, defines, dialect) for name in (vertex, fragment)]
+            program = self._programs[key] = Program(self.ctx, texts[0], texts[1], fragment)
+        return program
+
+    def triangle(self, fragment: str, defines: Mapping[str, sources.Define]) -> tuple[Program, moderngl.VertexArray]:
+        """A full-screen program and its vertex array."""
+        key = (fragment, tuple(sorted(defines.items())))
+        vao = self._triangles.get(key)
+        program = self.program("fullscreen.vert", fragment, defines)
+        if vao is None:
+            vao = self._triangles[key] = self.ctx.mgl.vertex_array(program.mgl, [(self._corner, "2f", "a_corner")])
+        return program, vao
+
+    def lookup(self, values: NDArray[np.float32]) -> moderngl.Texture:
+        """A small float texture of ``values`` (h, w, 2), made once, to be read with ``repeat``."""
+        key = values.tobytes()
+        texture = self._lookups.get(key)
+        if texture is None:
+            h, w = values.shape[:2]
+            # Half floats: the widest format that every ES 3.0 driver samples; angles keep 11 bits.
+            texture = self._lookups[key] = self.ctx.mgl.texture((w, h), 2, values.astype("f2").tobytes(), dtype="f2")
+        return texture
+
+    def bind(self, unit: int, texture: moderngl.Texture, *, repeat: bool = False) -> None:
+        """Bind a texture, and our own sampler with it, to a unit."""
+        texture.use(unit)
+        (self._repeat if repeat else self._clamp).use(unit)
+
+    def unbind(self, units: int) -> None:
+        """Take our samplers off the first ``units`` units."""
+        for unit in range(units):
+            self._clamp.clear(unit)
+
+    def release(self) -> None:
+        """Free every GL object of this kit."""
+        for vao in self._triangles.values():
+            vao.release()
+        for program in self._programs.values():
+            program.release()
+        for texture in self._lookups.values():
+            texture.release()
+        for thing in (self._corner, self._clamp, self._repeat):
+            thing.release()
+        self._programs, self._triangles, self._lookups = {}, {}, {}

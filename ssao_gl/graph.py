@@ -1,0 +1,234 @@
+"""The frame graph: passes declared as data, compiled to an immutable plan. Knows nothing of OpenGL.
+
+Every resource name has exactly one writer. Compiling walks back from the wanted outputs, so passes that nobody
+needs are culled and the order of the walk is the order of execution; transient textures whose lifetimes do not
+overlap share a slot.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from .errors import GraphError, near_miss
+
+BYTES = {"r8": 1, "rgba8": 4, "rg16f": 4, "r32f": 4, "depth24": 4}
+"""Bytes a pixel of each texture format; ``depth24`` is a depth buffer that no pass reads."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tex:
+    """A transient target: its format and its size as a share of the frame (rounded up, at least one pixel)."""
+
+    format: str
+    scale: float = 1.0
+
+    def size(self, frame: tuple[int, int]) -> tuple[int, int]:
+        w, h = (max(1, -int(-side * self.scale // 1)) for side in frame)
+        return w, h
+
+
+@dataclass(frozen=True, slots=True)
+class Pass:
+    """What a pass reads and writes and the one draw that does it. More than one write means multiple render targets."""
+
+    name: str
+    reads: tuple[str, ...]
+    writes: Mapping[str, Tex]
+    draw: Callable[[Any], None] = field(compare=False, repr=False)
+    depth: str | None = None
+    """Format of a depth buffer that lives only while the pass draws."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A pass that will run: the names it writes that somebody needs, and the slots they live in."""
+
+    task: Pass
+    writes: tuple[str, ...]
+    slots: tuple[int, ...]
+    size: tuple[int, int]
+    depth_slot: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """A texture (or depth buffer) that the frame owns."""
+
+    format: str
+    size: tuple[int, int]
+
+    @property
+    def bytes(self) -> int:
+        return BYTES[self.format] * self.size[0] * self.size[1]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A compiled graph. Immutable; print it."""
+
+    frame: tuple[int, int]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    steps: tuple[Step, ...]
+    slots: tuple[Slot, ...]
+    where: Mapping[str, int]
+    """resource name -> index of its slot."""
+    culled: Mapping[str, str]
+    """pass or resource name -> the reason why it was left out."""
+    unshared: int
+    """Bytes the textures would take without sharing slots."""
+
+    @property
+    def bytes(self) -> int:
+        return sum(slot.bytes for slot in self.slots)
+
+    def describe(self) -> str:
+        """The plan as a table: what runs in which order, into what, and what was left out and why."""
+        mib = 2.0**20
+        lines = [
+            f"{self.frame[0]}x{self.frame[1]}  inputs: {', '.join(self.inputs) or 'none'}  outputs: {', '.join(self.outputs)}"
+            f"  {len(self.slots)} slots, {self.bytes / mib:.1f} MiB (unshared {self.unshared / mib:.1f})"
+        ]
+        width = max((len(step.task.name) for step in self.steps), default=4)
+        for number, step in enumerate(self.steps, 1):
+            size = f"{step.size[0]}x{step.size[1]}"
+            wrote = [
+                f"{name} {self.slots[slot].format} {size} -> slot {slot}"
+                for name, slot in zip(step.writes, step.slots, strict=True)
+            ]
+            if step.depth_slot is not None:
+                wrote.append(f"(depth buffer {step.task.depth} {size} -> slot {step.depth_slot})")
+            reads = " ".join(step.task.reads) or "-"
+            lines.append(f"{number:2d} {step.task.name:{width}}  reads {reads}")
+            lines += [f"   {'':{width}}  writes {text}" for text in wrote]
+        lines += [f"   left out: {name}: {reason}" for name, reason in self.culled.items()]
+        return "\n".join(lines)
+
+
+def compile(
+    passes: Sequence[Pass],
+    frame: tuple[int, int],
+    outputs: Sequence[str],
+    inputs: Collection[str] = (),
+    notes: Mapping[str, str] | None = None,
+) -> Plan:
+    """Order, cull and place. ``notes`` are reasons, by name, for what the caller itself left out.
+
+    Raises GraphError: a name with two writers, a read that nobody writes, a cycle, an unknown format, targets of one
+    pass that differ in size.
+    """
+    writer = _writers(passes, inputs)
+    order = _walk(passes, writer, outputs, inputs)
+    wanted = set(outputs).union(*(task.reads for task in order)) if order else set(outputs)
+    last = {name: index for index, task in enumerate(order) for name in task.reads}
+    last.update(dict.fromkeys(outputs, len(order)))
+
+    slots: list[Slot] = []
+    free: list[int] = []
+    where: dict[str, int] = {}
+    steps: list[Step] = []
+    unshared = 0
+
+    def place(slot: Slot) -> int:
+        nonlocal unshared
+        unshared += slot.bytes
+        index = next((i for i in free if slots[i] == slot), None)
+        if index is None:
+            slots.append(slot)
+            return len(slots) - 1
+        free.remove(index)
+        return index
+
+    for index, task in enumerate(order):
+        live = tuple(name for name in task.writes if name in wanted)
+        size = _target_size(task, frame)
+        for name in live:
+            where[name] = place(Slot(task.writes[name].format, size))
+        depth_slot = None if task.depth is None else place(Slot(task.depth, size))
+        steps.append(Step(task, live, tuple(where[name] for name in live), size, depth_slot))
+        # Freed only after the writes were placed: a pass must never read the texture it draws into.
+        if depth_slot is not None:
+            free.append(depth_slot)
+        free += [where[name] for name in dict.fromkeys(task.reads) if last[name] == index and name in where]
+
+    culled = dict(notes or {})
+    culled.update({task.name: "nothing wants what it writes" for task in passes if task not in order})
+    for step in steps:
+        for name in step.task.writes:
+            if name not in step.writes:
+                culled[name] = f"nothing reads it, so {step.task.name} does not write it"
+    return Plan(frame, tuple(inputs), tuple(outputs), tuple(steps), tuple(slots), where, culled, unshared)
+
+
+def _writers(passes: Iterable[Pass], inputs: Collection[str]) -> dict[str, Pass]:
+    writer: dict[str, Pass] = {}
+    names: set[str] = set()
+    for task in passes:
+        if task.name in names:
+            raise GraphError(f"two passes are called '{task.name}'")
+        names.add(task.name)
+        for name, tex in task.writes.items():
+            if name in writer or name in inputs:
+                other = f"pass '{writer[name].name}'" if name in writer else "the caller, as an input"
+                raise GraphError(f"pass '{task.name}' writes '{name}', which is also written by {other}")
+            if tex.format not in BYTES:
+                raise GraphError(
+                    f"pass '{task.name}' writes '{name}' as '{tex.format}'; formats: {', '.join(BYTES)}."
+                    + near_miss(tex.format, BYTES)
+                )
+            writer[name] = task
+    return writer
+
+
+def _walk(
+    passes: Sequence[Pass], writer: Mapping[str, Pass], outputs: Iterable[str], inputs: Collection[str]
+) -> list[Pass]:
+    """Depth first from the outputs; a pass is listed after everything it reads."""
+    order: list[Pass] = []
+    open_passes: list[str] = []
+
+    def visit(name: str, reader: str) -> None:
+        if name in inputs:
+            return
+        task = writer.get(name)
+        if task is None:
+            known = [*inputs, *writer]
+            raise GraphError(
+                f"{reader} needs '{name}', but no pass writes it and it is not an input"
+                f" (inputs: {', '.join(inputs) or 'none'}; written: {', '.join(writer) or 'none'}).{near_miss(name, known)}"
+            )
+        if task.name in open_passes:
+            raise GraphError("passes wait for each other: " + " -> ".join([*open_passes, task.name]))
+        if task in order:
+            return
+        open_passes.append(task.name)
+        for read in task.reads:
+            visit(read, f"pass '{task.name}'")
+        open_passes.pop()
+        order.append(task)
+
+    for name in outputs:
+        visit(name, "the caller")
+    return order
+
+
+def _target_size(task: Pass, frame: tuple[int, int]) -> tuple[int, int]:
+    sizes = {tex.size(frame) for tex in task.writes.values()}
+    if len(sizes) != 1:
+        raise GraphError(f"pass '{task.name}' must write at least one target, all of one size; it has {sorted(sizes)}")
+    return sizes.pop()
+
+
+def _show() -> None:
+    """Print the default plan."""
+    import sys
+
+    from .pipeline import Settings, plan_render
+
+    sys.stdout.write(plan_render(Settings(), (1280, 720)).describe() + "\n")
+
+
+if __name__ == "__main__":
+    _show()

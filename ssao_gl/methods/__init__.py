@@ -1,0 +1,78 @@
+"""Ambient-occlusion methods: each is one settings record here and one shader in ``shaders/methods``.
+
+A method registers itself; the command line, the report and the tests find it in :func:`registry`. Other packages add
+theirs by the entry-point group ``ssao_gl.methods``.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..camera import View
+from ..errors import SettingsError, near_miss
+from ..sources import Define
+
+
+@runtime_checkable
+class Method(Protocol):
+    """What an AO method is: a frozen dataclass with a shader. Lengths are in scene units unless it says otherwise."""
+
+    name: ClassVar[str]
+    shader: ClassVar[str]
+    """Fragment shader, below ``shaders/``."""
+    samplers: ClassVar[Mapping[str, str]]
+    """Sampler uniform -> resource: ``z``, ``normal``, ``z_over_far``."""
+    exceptions: ClassVar[Mapping[str, str]]
+    """Contract of :mod:`tests` that the published definition breaks -> why, and within which bound."""
+
+    @property
+    def radius(self) -> Any: ...
+
+    def defines(self) -> Mapping[str, Define]:
+        """What is compiled into the shader."""
+        ...
+
+    def uniforms(self, view: View) -> Mapping[str, Any]:
+        """What the shader is given for a view: the mapping from settings to constants. Pure."""
+        ...
+
+    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+        """Sampler uniform -> small repeating table (h, w, 2)."""
+        ...
+
+
+AnyMethod = TypeVar("AnyMethod", bound=type)
+_METHODS: dict[str, type] = {}
+
+
+def register(method: AnyMethod) -> AnyMethod:
+    """Class decorator that makes a method known by its name. Raises SettingsError when the name is taken."""
+    name = method.name  # type: ignore[attr-defined]
+    if name in _METHODS and _METHODS[name].__qualname__ != method.__qualname__:
+        raise SettingsError(f"two AO methods are called '{name}'")
+    _METHODS[name] = method
+    return method
+
+
+@cache
+def registry() -> Mapping[str, type]:
+    """Every method by name: ours first, then those of installed packages."""
+    from . import alchemy, lecture  # noqa: F401
+
+    for entry in importlib.metadata.entry_points(group="ssao_gl.methods"):
+        register(entry.load())
+    return dict(_METHODS)
+
+
+def method(name: str) -> Any:
+    """The method called ``name`` with its default settings. Raises SettingsError for an unknown name."""
+    known = registry()
+    if name not in known:
+        raise SettingsError(f"unknown method '{name}'; there are {', '.join(known)}.{near_miss(name, known)}")
+    return known[name]()

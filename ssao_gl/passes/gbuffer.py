@@ -1,0 +1,163 @@
+"""The G-buffer: linear depth, normals and base colour of a scene, as many of them as somebody reads."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ..camera import Camera, Matrix, View
+from ..gl.frame import Stage
+from ..gl.kit import Kit
+from ..graph import Pass, Tex
+from ..scene import Draw, Scene
+
+GL_COLOR, GL_DEPTH, GL_DEPTH_TEST = 0x1800, 0x1801, 0x0B71
+CHUNK = 1 << 18
+"""Vertices converted and uploaded at a time, so that no second copy of a large mesh is made."""
+
+LIGHT = (-0.36, 0.48, 0.8)
+"""Unit vector to the light in view space: over the viewer's left shoulder."""
+
+
+def gbuffer(background: Sequence[float]) -> Pass:
+    """The pass that draws a :class:`SceneOnGpu`, given as the frame's context. ``background``: sRGB in 0..1."""
+    targets = {"z": Tex("r32f"), "normal": Tex("rg16f"), "color": Tex("rgba8")}
+    clear = {"z": (0.0,) * 4, "normal": (0.0,) * 4, "color": (*background, 1.0)}
+
+    def draw(stage: Stage) -> None:
+        stage.target.use()
+        gl = stage.kit.ctx.functions
+        clear_buffer = gl("glClearBufferfv", None, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
+        for index, name in enumerate(stage.step.writes):
+            clear_buffer(GL_COLOR, index, ctypes.addressof((ctypes.c_float * 4)(*clear[name])))
+        clear_buffer(GL_DEPTH, 0, ctypes.addressof(ctypes.c_float(1.0)))
+        gl("glEnable", None, ctypes.c_uint)(GL_DEPTH_TEST)
+        stage.context.draw(stage.view, stage.step.writes)
+        gl("glDisable", None, ctypes.c_uint)(GL_DEPTH_TEST)
+
+    return Pass("gbuffer", (), targets, draw, depth="depth24")
+
+
+class SceneOnGpu:
+    """A scene's vertex data in GL buffers. Set ``camera`` before each frame."""
+
+    def __init__(self, kit: Kit, scene: Scene) -> None:
+        self.scene = scene
+        self.camera: Camera | None = None
+        self._kit = kit
+        self._owned: list[Any] = []
+        self._center = scene.bounds.mean(0)
+        self._draws = [self._upload(draw) for draw in scene.draws if len(draw.triangles) and len(draw.transforms)]
+        self._arrays: dict[Any, moderngl.VertexArray] = {}
+
+    def _upload(self, draw: Draw) -> tuple[Draw, dict[str, tuple[Any, str]], Any]:
+        mgl = self._kit.ctx.mgl
+        count = len(draw.positions)
+        # Vertices about the middle of the mesh, transforms about the middle of the scene: differences of large
+        # coordinates are taken here, in 64-bit.
+        middle = (draw.positions.min(0).astype(np.float64) + draw.positions.max(0)) / 2
+        place = draw.transforms.copy()
+        place[:, :3, 3] += place[:, :3, :3] @ middle - self._center
+        buffers: dict[str, tuple[Any, str]] = {
+            "a_position": (self._fill(count, 12, lambda s: (draw.positions[s] - middle).astype("f4")), "3f"),
+            "a_model": (mgl.buffer(np.ascontiguousarray(place.transpose(0, 2, 1), "f4")), "16f/i"),
+        }
+        if draw.normals is not None:
+            normals = draw.normals
+            buffers["a_normal"] = (self._fill(count, 8, lambda s: _snorm16(normals[s])), "4i2")
+        if draw.vertex_colors is not None:
+            buffers["a_color"] = (mgl.buffer(np.ascontiguousarray(draw.vertex_colors)), "4f1")
+        index = mgl.buffer(np.ascontiguousarray(draw.triangles))
+        self._owned += [index, *(buffer for buffer, _ in buffers.values() if buffer not in self._owned)]
+        return draw, buffers, index
+
+    def _fill(self, count: int, stride: int, part: Any) -> moderngl.Buffer:
+        buffer = self._kit.ctx.mgl.buffer(reserve=max(count * stride, 1))
+        for start in range(0, count, CHUNK):
+            buffer.write(np.ascontiguousarray(part(slice(start, start + CHUNK))), offset=start * stride)
+        return buffer
+
+    def draw(self, view: View, writes: Sequence[str]) -> None:
+        """Draw everything into the bound framebuffer, whose targets are ``writes`` in this order."""
+        assert self.camera is not None
+        to_view = np.linalg.inv(self.camera.pose)
+        from_center = to_view.copy()
+        from_center[:3, 3] += to_view[:3, :3] @ self._center
+        projection = fit_depth_range(view, *self._depth_range(from_center))
+        shared = {
+            "u_view": tuple(from_center.T.ravel()),
+            "u_projection": tuple(projection.T.ravel()),
+            "u_light": LIGHT,
+        }
+        for number, (draw, buffers, index) in enumerate(self._draws):
+            defines = _defines(draw, writes)
+            program = self._kit.program("gbuffer.vert", "gbuffer.frag", defines)
+            key = (number, program)
+            vao = self._arrays.get(key)
+            if vao is None:
+                content = [(buffers[n][0], buffers[n][1], n) for n in buffers if n in program.mgl]
+                vao = self._arrays[key] = self._kit.ctx.mgl.vertex_array(program.mgl, content, index)
+            program.set(shared)
+            program.set({"u_color": (*draw.color, 1.0)})
+            vao.render(moderngl.TRIANGLES, instances=len(draw.transforms))
+
+    def _depth_range(self, from_center: Matrix) -> tuple[float, float]:
+        """Smallest and largest linear depth of the scene's bounding box."""
+        half = (self.scene.bounds[1] - self.scene.bounds[0]) / 2
+        middle = -from_center[2, 3]
+        reach = float(np.abs(from_center[2, :3]) @ half)
+        return middle - reach, middle + reach
+
+    def release(self) -> None:
+        """Free every buffer."""
+        for array in self._arrays.values():
+            array.release()
+        for buffer in self._owned:
+            buffer.release()
+        self._arrays, self._owned, self._draws = {}, [], []
+
+
+def fit_depth_range(view: View, nearest: float, farthest: float) -> Matrix:
+    """The projection of ``view`` with its depth row rebuilt so that the depth buffer spans just what can be seen.
+
+    The clip planes stay where the camera put them unless the scene lies between them. Reversed, infinite and 0..1
+    projections become OpenGL's -1..1, so one depth test serves all; x, y and w are untouched.
+    """
+    near, far = view.near, view.far
+    margin = 1e-3 * (farthest - nearest) + 1e-6 * max(abs(nearest), abs(farthest))
+    near = max(near, nearest - margin)
+    far = min(far, max(farthest + margin, near * (1 + 1e-3) + margin))
+    if not far > near:  # the whole scene lies outside: any valid range will do, everything is clipped
+        near, far = view.near, view.near + max(abs(view.near), 1.0)
+    m = view.projection.copy()
+    w = {z: view.w1 * z + view.w0 for z in (near, far)}
+    slope = (w[far] + w[near]) / (far - near)
+    m[2] = (0, 0, -slope, -w[near] - slope * near)
+    return m
+
+
+def _defines(draw: Draw, writes: Sequence[str]) -> dict[str, int]:
+    defines: dict[str, int] = {"TARGETS": len(writes)}
+    names = {"z": "DEPTH_TARGET", "normal": "NORMAL_TARGET", "color": "COLOR"}
+    defines.update({names[name]: index for index, name in enumerate(writes)})
+    if "normal" in writes or "color" in writes:
+        defines["NORMAL"] = 1
+        if draw.normals is not None:
+            defines["SMOOTH"] = 1
+    if "color" in writes and draw.vertex_colors is not None:
+        defines["VERTEX_COLOR"] = 1
+    return defines
+
+
+def _snorm16(normals: NDArray[np.float32]) -> NDArray[np.int16]:
+    """Unit normals as 16-bit integers (n, 4), error below 2e-5; what is not finite becomes 0 and is replaced on the GPU."""
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    unit = np.divide(normals, length, out=np.zeros_like(normals), where=np.isfinite(length) & (length > 0))
+    out = np.zeros((len(normals), 4), np.int16)
+    out[:, :3] = np.round(unit * 32767)
+    return out

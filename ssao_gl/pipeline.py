@@ -1,0 +1,129 @@
+"""From settings to a frame graph: which passes there are, and the plans that the renderer and the effect run."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from .camera import Size
+from .errors import SettingsError, near_miss
+from .graph import Pass, Plan, compile
+from .methods import Method, method
+from .methods.alchemy import Alchemy
+from .passes import screen
+from .passes.blur import Blur, Joint
+from .settings import setting, validate
+
+AOVS = ("image", "visibility", "depth", "normal", "color")
+"""What a picture can hold: shaded image, visibility, linear depth, view-space normals, base colour."""
+
+RESOURCES: Mapping[str, str] = {"image": "image", "visibility": "visibility", "depth": "z", "normal": "normal", "color": "color"}
+"""AOV -> resource of the graph."""
+
+WINDOW_DEPTH, EYE_DEPTH = "window", "eye"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shading:
+    """How the picture is lit: an ambient part that occlusion dims, and a light over the viewer's shoulder."""
+
+    ambient: float = setting(0.75, "share of the light that is ambient; for apply: strength of the occlusion", low=0, high=1)
+    background: str = setting("#ffffff", "sRGB colour behind the scene, #rrggbb")
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if not re.fullmatch(r"#[0-9a-fA-F]{6}", self.background):
+            raise SettingsError(f"shading.background='{self.background}': must look like #rrggbb")
+
+    @property
+    def background_rgb(self) -> tuple[float, float, float]:
+        r, g, b = (int(self.background[i : i + 2], 16) / 255 for i in (1, 3, 5))
+        return r, g, b
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """Everything that decides a picture but the scene, the camera and the size."""
+
+    method: Method = field(default_factory=Alchemy)
+    blur: Blur | None = field(default_factory=Joint)
+    shading: Shading = field(default_factory=Shading)
+
+    def with_radius(self, radius: float) -> Settings:
+        """These settings with an automatic radius settled to ``radius`` scene units."""
+        if self.method.radius is not None:
+            return self
+        return dataclasses.replace(self, method=dataclasses.replace(self.method, radius=radius))  # type: ignore[type-var]
+
+    def table(self) -> dict[str, Any]:
+        """All settings as plain values, by group: for JSON and for the text chunks of pictures."""
+        from .settings import as_table
+
+        return {
+            "method": self.method.name,
+            self.method.name: as_table(self.method),
+            "blur": self.blur.name if self.blur else "none",
+            **({f"blur_{self.blur.name}": as_table(self.blur)} if self.blur else {}),
+            "shading": as_table(self.shading),
+        }
+
+
+def as_method(value: Method | str | None) -> Method:
+    """A method from its name, or itself; None is the default."""
+    if value is None:
+        return Alchemy()
+    return method(value) if isinstance(value, str) else value
+
+
+def _after_gbuffer(settings: Settings) -> list[Pass]:
+    passes = [screen.over_far(), screen.occlusion(settings.method, packed=settings.blur is not None)]
+    return passes + (settings.blur.passes() if settings.blur else [])
+
+
+def _notes(settings: Settings) -> dict[str, str]:
+    return {} if settings.blur else {"blur": "switched off"}
+
+
+def resources(aovs: Sequence[str]) -> list[str]:
+    """Resource names of some AOVs. Raises SettingsError for an unknown one."""
+    for name in aovs:
+        if name not in AOVS:
+            raise SettingsError(f"unknown AOV '{name}'; there are {', '.join(AOVS)}.{near_miss(name, AOVS)}")
+    return [RESOURCES[name] for name in aovs]
+
+
+def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)) -> Plan:
+    """The plan that draws a scene."""
+    from .passes.gbuffer import gbuffer
+
+    passes = [
+        gbuffer(settings.shading.background_rgb),
+        *_after_gbuffer(settings),
+        screen.composite(settings.shading.ambient, direct=True),
+    ]
+    return compile(passes, size, resources(aovs), notes=_notes(settings))
+
+
+def plan_apply(
+    settings: Settings,
+    size: Size,
+    *,
+    depth: str = WINDOW_DEPTH,
+    normals: bool = False,
+    outputs: Sequence[str] = ("visibility",),
+) -> Plan:
+    """The plan over a caller's depth (and normals, and colour)."""
+    if depth not in (WINDOW_DEPTH, EYE_DEPTH):
+        raise SettingsError(f"depth kind '{depth}'; must be 'eye' (distance along the view axis) or 'window' (0 to 1)")
+    notes = _notes(settings) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
+    passes = [
+        screen.linearize(window=depth == WINDOW_DEPTH),
+        screen.encode_normals() if normals else screen.normals_from_depth(),
+        *_after_gbuffer(settings),
+        screen.composite(settings.shading.ambient, direct=False),
+    ]
+    inputs = ["depth", *(["normal_xyz"] if normals else []), *(["color"] if "image" in outputs else [])]
+    return compile(passes, size, list(outputs), inputs, notes)
