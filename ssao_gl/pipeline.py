@@ -92,7 +92,9 @@ def resources(aovs: Sequence[str]) -> list[str]:
     for name in aovs:
         if name not in AOVS:
             raise SettingsError(f"unknown AOV '{name}'; there are {', '.join(AOVS)}.{near_miss(name, AOVS)}")
-    return [RESOURCES[name] for name in aovs]
+    wanted = [RESOURCES[name] for name in aovs]
+    # Normals are zero on background, which depth tells.
+    return list(dict.fromkeys([*wanted, *(["z"] if "normal" in aovs else [])]))
 
 
 def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)) -> Plan:

@@ -1,0 +1,147 @@
+"""Whole jobs for people: one call from a scene or from arrays to a picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .adapters import pyrender as pyrender_adapter
+from .camera import Camera, Size
+from .errors import FormatError, SceneError, SettingsError
+from .gl.context import Context
+from .methods import Method
+from .passes.blur import Blur, Joint, blur
+from .picture import Picture
+from .pipeline import Settings, Shading, as_method
+from .renderer import Renderer
+from .scene import Scene
+
+
+def as_scene(source: Any) -> Scene:
+    """A scene from a path, a ``trimesh.Trimesh`` or ``Scene``, a ``pyrender.Scene``, or itself. Raises SceneError."""
+    if isinstance(source, Scene):
+        return source
+    if isinstance(source, str | Path):
+        return Scene.load(source)
+    if pyrender_adapter.is_pyrender_scene(source):
+        return pyrender_adapter.from_pyrender(source)
+    if type(source).__module__.split(".")[0] == "trimesh":
+        from .adapters.meshes import from_trimesh
+
+        return from_trimesh(source)
+    raise SceneError(f"cannot draw a {type(source).__name__}; expected a path, Scene, trimesh.Trimesh, trimesh.Scene or pyrender.Scene")
+
+
+def as_camera(source: Any) -> Camera:
+    """A camera from a camera file (``"FILE.cam.json:NAME"``), a ``pyrender.Scene`` with a camera, or itself."""
+    if isinstance(source, Camera):
+        return source
+    if isinstance(source, str | Path):
+        from .adapters.camera_files import load_camera
+
+        return load_camera(str(source))
+    if pyrender_adapter.is_pyrender_scene(source):
+        return pyrender_adapter.camera_from_pyrender(source)
+    raise SettingsError(f"cannot use a {type(source).__name__} as camera; expected a Camera, a camera file or a pyrender.Scene")
+
+
+def settings_of(
+    method: Method | str | None = None, blur_with: Blur | str | None = "joint", shading: Shading | None = None
+) -> Settings:
+    """Settings from parts or their names."""
+    chosen = blur(blur_with) if isinstance(blur_with, str) else blur_with
+    return Settings(method=as_method(method), blur=chosen, shading=shading or Shading())
+
+
+def render(
+    scene: Any,
+    camera: Any = None,
+    size: Size = (1280, 720),
+    *,
+    method: Method | str | None = None,
+    blur: Blur | str | None = "joint",
+    shading: Shading | None = None,
+    aovs: tuple[str, ...] = ("image", "visibility"),
+    provider: str | Context = "auto",
+) -> Picture:
+    """Draw a scene with ambient occlusion, headless.
+
+    scene: a path, a :class:`Scene`, a ``trimesh`` mesh or scene, or a ``pyrender.Scene``. camera: a :class:`Camera`, a camera
+    file, or None for the scene's own or an automatic one. size: (width, height) in pixels. aovs: any of image,
+    visibility, depth, normal, color.
+    """
+    drawn = as_scene(scene)
+    with Renderer(provider) as renderer:
+        return renderer.render(
+            drawn, None if camera is None else as_camera(camera), size, settings_of(method, blur, shading), aovs=aovs
+        )
+
+
+def apply(
+    color: ArrayLike | None,
+    depth: ArrayLike,
+    camera: Any,
+    *,
+    normals: ArrayLike | None = None,
+    depth_kind: str = "eye",
+    method: Method | str | None = None,
+    blur: Blur | str | None = Joint(),  # noqa: B008 - frozen
+    strength: float = 1.0,
+    provider: str | Context = "auto",
+) -> Picture:
+    """Dim a picture that you already have by the occlusion of its depth, in linear light.
+
+    color: (h, w, 3 or 4) uint8 sRGB, or None for visibility alone. depth: (h, w) distance along the view axis in scene
+    units, 0 = background (as pyrender gives it), or window depth 0..1 with ``depth_kind="window"``. camera: a
+    :class:`Camera` or a ``pyrender.Scene``. normals: (h, w, 3) view space, rebuilt from depth without them. Row 0 is
+    the top row. strength: 0 leaves the colour, 1 dims it by all of the occlusion.
+    """
+    settings = settings_of(method, blur, Shading(ambient=strength))
+    with Renderer(provider) as renderer:
+        return renderer.apply(
+            np.asarray(depth),
+            as_camera(camera),
+            color=None if color is None else np.asarray(color),
+            normals=None if normals is None else np.asarray(normals),
+            depth_kind=depth_kind,
+            settings=settings,
+        )
+
+
+def occlusion(
+    depth: ArrayLike,
+    camera: Any,
+    *,
+    normals: ArrayLike | None = None,
+    depth_kind: str = "eye",
+    method: Method | str | None = None,
+    blur: Blur | str | None = "joint",
+    provider: str | Context = "auto",
+) -> NDArray[np.float32]:
+    """Visibility (h, w) float32 in 0..1 of a depth image (h, w): 1 = open, background exactly 1. See :func:`apply`."""
+    picture = apply(
+        None, depth, camera, normals=normals, depth_kind=depth_kind, method=method, blur=blur, provider=provider
+    )
+    return picture.arrays["visibility"]
+
+
+def normals_from_depth(depth: ArrayLike, camera: Any, *, provider: str | Context = "auto") -> NDArray[np.float32]:
+    """View-space unit normals (h, w, 3) float32 of a depth image (h, w) of eye distances; zero on background."""
+    picture = apply(None, depth, camera, blur=None, provider=provider)
+    return picture.arrays["normal"]
+
+
+def multiply(color: ArrayLike, visibility: ArrayLike) -> NDArray[np.uint8]:
+    """sRGB colour (h, w, 3 or 4) uint8 times visibility (h, w), in linear light; alpha stays. No OpenGL needed."""
+    rgb, factor = np.asarray(color), np.asarray(visibility, np.float64)
+    if rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[:2] != factor.shape:
+        raise FormatError(f"multiply: color {rgb.dtype} {rgb.shape} and visibility {factor.shape} do not fit")
+    c = rgb[..., :3] / 255.0
+    linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4) * np.clip(factor, 0, 1)[..., None]
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    out = rgb.copy()
+    out[..., :3] = np.round(encoded * 255)
+    return out

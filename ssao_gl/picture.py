@@ -1,0 +1,110 @@
+"""What a render gives back: arrays, and how they came about."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import images
+from .errors import FormatError
+from .files import make_folder, written
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """The arrays that were asked for, row 0 on top, and a report of how they were made.
+
+    image: (h, w, 3) uint8 sRGB, or (h, w, 4) when the caller's colour had alpha. visibility: (h, w) float32, 1 = open,
+    background exactly 1. depth: (h, w) float32, distance along the view axis in scene units, 0 = background. normal:
+    (h, w, 3) float32, unit, view space, (0, 0, 0) on background. color: (h, w, 3) uint8 sRGB base colour.
+    """
+
+    arrays: Mapping[str, NDArray[Any]]
+    report: Mapping[str, Any] = field(default_factory=dict)
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        from .pipeline import AOVS
+
+        arrays = self.__dict__.get("arrays", {})
+        if name in arrays:
+            return arrays[name]
+        if name in AOVS:
+            raise AttributeError(f"this picture has no '{name}'; ask for it: aovs=({', '.join(map(repr, [*arrays, name]))})")
+        raise AttributeError(name)
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """What PNG files carry: how the picture was made. Times are left out, so equal pictures are equal files."""
+        keys = ("settings", "camera", "size", "scene", "provider", "renderer", "version")
+        return {
+            "Software": "ssao_gl",
+            **{f"ssao_gl:{key}": _plain(self.report[key]) for key in keys if key in self.report},
+        }
+
+    def save(self, path: Path | str, *, aov: str | None = None, bits: int = 8) -> list[Path]:
+        """Write one AOV to a file by suffix (PNG, NPY, EXR), or all of them into a folder, each as NPY and as PNG.
+
+        Without ``aov`` a PNG gets the image, an array file the visibility. ``bits``: 8 or 16, of grey PNG files.
+        Returns the paths written. Raises FormatError.
+        """
+        path = Path(path)
+        if path.suffix.lower() in images.SUFFIXES and not path.is_dir():
+            default = "image" if path.suffix.lower() == ".png" else "visibility"
+            name = aov or (default if default in self.arrays else next(iter(self.arrays)))
+            if name not in self.arrays:
+                raise FormatError(f"this picture has no '{name}'; it has {', '.join(self.arrays)}")
+            images.save(path, self.as_png(name, bits) if path.suffix.lower() == ".png" else self.arrays[name], texts=self.texts)
+            return [path]
+        if path.suffix and not path.is_dir():
+            raise FormatError(f"cannot write {path}: suffix '{path.suffix}'; use {', '.join(images.SUFFIXES)}, or a folder")
+        make_folder(path)
+        done = []
+        for name, array in self.arrays.items():
+            images.save(path / f"{name}.npy", array)
+            images.save(path / f"{name}.png", self.as_png(name, bits), texts=self.texts)
+            done += [path / f"{name}.npy", path / f"{name}.png"]
+        return done
+
+    def as_png(self, name: str, bits: int = 8) -> NDArray[Any]:
+        """An AOV as PNG shows it: visibility as grey, depth from near (bright) to far (dark) with background black, normals
+        as 0.5 + 0.5 n."""
+        array = self.arrays[name]
+        if name == "visibility":
+            return images.to_bytes(array, bits)
+        if name == "depth":
+            seen = array > 0
+            if not seen.any():
+                return images.to_bytes(np.zeros_like(array), bits)
+            near, far = float(array[seen].min()), float(array[seen].max())
+            shade = 1 - 0.95 * (array - near) / max(far - near, 1e-30)
+            return images.to_bytes(np.where(seen, shade, 0), bits)
+        if name == "normal":
+            return images.to_bytes(np.where(np.any(array, axis=-1, keepdims=True), 0.5 + 0.5 * array, 0))
+        return array
+
+    def _repr_png_(self) -> bytes:
+        name = "image" if "image" in self.arrays else next(iter(self.arrays))
+        return images.png_bytes(self.as_png(name))
+
+
+def save_animation(path: Path, frames: Sequence[Picture], *, seconds: float = 4.0) -> None:
+    """Write frames as an animated GIF, WebP or PNG by suffix (``.gif``, ``.webp``, ``.apng``). Raises FormatError."""
+    from PIL import Image
+
+    kinds = {".gif": "GIF", ".webp": "WEBP", ".apng": "PNG"}
+    pictures = [Image.fromarray(frame.as_png(next(iter(frame.arrays)))) for frame in frames]
+    step = max(20, round(1000 * seconds / len(frames)))
+    with written(path) as temporary:
+        pictures[0].save(
+            temporary, format=kinds[path.suffix.lower()], save_all=True, append_images=pictures[1:], duration=step, loop=0
+        )
+
+
+def _plain(value: Any) -> str:
+    return value if isinstance(value, str) else json.dumps(value, sort_keys=True)

@@ -1,0 +1,227 @@
+"""Headless rendering: a context, a scene in its memory, and pictures out of it, over many frames."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import time
+from collections.abc import Mapping, Sequence
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import gl
+from .camera import Camera, Size
+from .effect import upload
+from .errors import FormatError, SettingsError
+from .gl.context import Context
+from .gl.frame import Frame, PassTime
+from .gl.kit import Kit
+from .graph import Plan
+from .images import flipped
+from .passes.gbuffer import SceneOnGpu
+from .picture import Picture
+from .pipeline import RESOURCES, Settings, plan_apply, plan_render, resources
+from .scene import RADIUS_SHARE, Scene
+
+MAX_SIDE = 1 << 16
+
+
+class Renderer:
+    """Renders scenes, and applies occlusion to arrays, on one GL context that it opens or is given.
+
+        with Renderer() as renderer:
+            picture = renderer.render(scene, camera, (1280, 720))
+
+    Keep it for many frames: programs, textures and the last scene stay on the GPU.
+    """
+
+    def __init__(self, provider: str | Context = "auto") -> None:
+        self.ctx = provider if isinstance(provider, Context) else gl.open(provider)
+        self._kit = Kit(self.ctx)
+        self._frame: tuple[Any, Frame] | None = None
+        self._scene: SceneOnGpu | None = None
+
+    def render(
+        self,
+        scene: Scene,
+        camera: Camera | None = None,
+        size: Size = (1280, 720),
+        settings: Settings | None = None,
+        *,
+        aovs: Sequence[str] = ("image", "visibility"),
+        timed: bool = False,
+        checked: bool = False,
+    ) -> Picture:
+        """Draw ``scene``; without ``camera`` the scene's own first one, else an automatic view.
+
+        ``aovs``: any of image, visibility, depth, normal, color. ``timed`` adds milliseconds per pass to the report.
+        """
+        check_size(size)
+        camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
+        settings = (settings or Settings()).with_radius(camera.ao_radius or scene.default_radius())
+        if self._scene is None or self._scene.scene is not scene:
+            if self._scene is not None:
+                self._scene.release()
+            self._scene = None
+            self._scene = SceneOnGpu(self._kit, scene)
+        self._scene.camera = camera
+        frame = self._plan(("render", settings, size, tuple(aovs)), lambda: plan_render(settings, size, aovs))
+        started = time.perf_counter()
+        frame.run(camera.view(size), context=self._scene, timed=timed, checked=checked)
+        arrays = {name: _aov(frame, name) for name in aovs}
+        report = self._report(settings, size, frame, time.perf_counter() - started, timed)
+        return Picture(arrays, report | {"camera": camera.name or "unnamed", "scene": scene.name, "triangles": scene.triangles})
+
+    def apply(
+        self,
+        depth: NDArray[Any],
+        camera: Camera,
+        *,
+        color: NDArray[Any] | None = None,
+        normals: NDArray[Any] | None = None,
+        depth_kind: str = "eye",
+        settings: Settings | None = None,
+        timed: bool = False,
+        checked: bool = False,
+    ) -> Picture:
+        """Occlusion over arrays, row 0 on top.
+
+        depth: (h, w) distance along the view axis in scene units (0, inf, nan: background), or window depth in 0..1.
+        color: (h, w, 3 or 4) uint8 sRGB, to be dimmed. normals: (h, w, 3) view space. Gives visibility, depth and
+        normal, and image when there is colour. Raises FormatError for shapes that do not fit.
+        """
+        depth, color, normals = check_arrays(depth, color, normals)
+        h, w = depth.shape
+        size = (w, h)
+        settings = (settings or Settings()).with_radius(camera.ao_radius or _radius_of(depth, camera, depth_kind))
+        outputs = ("visibility", "z", "normal", *(("image",) if color is not None else ()))
+        frame = self._plan(
+            ("apply", settings, size, depth_kind, normals is not None, outputs),
+            lambda: plan_apply(settings, size, depth=depth_kind, normals=normals is not None, outputs=outputs),
+        )
+        given = {"depth": depth, "normal_xyz": normals, "color": color}
+        inputs = {name: upload(self._kit, name, array) for name, array in given.items() if array is not None}
+        started = time.perf_counter()
+        try:
+            frame.run(camera.view(size), inputs, timed=timed, checked=checked)
+            names = ("visibility", "depth", "normal", *(("image",) if color is not None else ()))
+            arrays = {name: _aov(frame, name, alpha=color is not None and color.shape[2] == 4) for name in names}
+        finally:
+            for texture in inputs.values():
+                texture.release()
+        return Picture(arrays, self._report(settings, size, frame, time.perf_counter() - started, timed))
+
+    def _plan(self, key: Any, make: Any) -> Frame:
+        """The frame for a plan; the last one is kept."""
+        if self._frame is None or self._frame[0] != key:
+            plan: Plan = make()
+            if self._frame is not None:
+                self._frame[1].release()
+                self._frame = None
+            self._frame = (key, Frame(self._kit, plan))
+        return self._frame[1]
+
+    def _report(self, settings: Settings, size: Size, frame: Frame, seconds: float, timed: bool) -> dict[str, Any]:
+        report: dict[str, Any] = {
+            "version": importlib.metadata.version("ssao_gl"),
+            "settings": settings.table(),
+            "size": list(size),
+            "provider": self.ctx.provider,
+            "platform": self.ctx.platform,
+            "renderer": self.ctx.renderer,
+            "gl_version": self.ctx.version,
+            "plan": frame.plan.describe().splitlines(),
+            "seconds": seconds,
+        }
+        return report | (times(frame.times) if timed else {})
+
+    def release(self) -> None:
+        """Free everything, and the context if the renderer opened it. Calling it twice does no harm."""
+        if self._scene is not None:
+            self._scene.release()
+        if self._frame is not None:
+            self._frame[1].release()
+        self._scene, self._frame = None, None
+        if not self.ctx.released:
+            self._kit.release()
+            self.ctx.release()
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.release()
+
+
+def times(passes: Sequence[PassTime]) -> Mapping[str, Any]:
+    """Milliseconds per pass, of the G-buffer, and of everything after it."""
+    return {
+        "passes": [{"name": p.name, "ms": p.ms} for p in passes],
+        "gbuffer_ms": sum(p.ms for p in passes if p.name == "gbuffer"),
+        "ao_ms": sum(p.ms for p in passes if p.name != "gbuffer"),
+        "clock": passes[0].clock if passes else "none",
+    }
+
+
+def check_size(size: Size) -> None:
+    """Raises SettingsError unless ``size`` is (width, height) with sides from 1 to 65536."""
+    if len(size) != 2 or not all(1 <= side <= MAX_SIDE and side == int(side) for side in size):
+        raise SettingsError(f"size {'x'.join(map(str, size))}: must be WIDTHxHEIGHT with sides from 1 to {MAX_SIDE}")
+
+
+def check_arrays(
+    depth: NDArray[Any], color: NDArray[Any] | None, normals: NDArray[Any] | None
+) -> tuple[NDArray[np.float32], NDArray[np.uint8] | None, NDArray[np.float32] | None]:
+    """The caller's arrays in the types that are uploaded. Raises FormatError naming what does not fit."""
+    depth = np.asarray(depth)
+    if depth.ndim != 2 or depth.dtype.kind not in "fiu" or not depth.size:
+        raise FormatError(f"depth is {depth.dtype} of shape {depth.shape}; expected numbers of shape (h, w)")
+    with np.errstate(over="ignore"):
+        depth = depth.astype(np.float32)
+    if color is not None:
+        color = np.asarray(color)
+        if color.dtype != np.uint8 or color.ndim != 3 or color.shape[2] not in (3, 4) or color.shape[:2] != depth.shape:
+            raise FormatError(
+                f"color is {color.dtype} of shape {color.shape}; expected uint8 sRGB of shape {(*depth.shape, 3)} or {(*depth.shape, 4)}"
+            )
+    if normals is not None:
+        normals = np.asarray(normals)
+        if normals.dtype.kind != "f" or normals.shape != (*depth.shape, 3):
+            raise FormatError(f"normals are {normals.dtype} of shape {normals.shape}; expected floats of shape {(*depth.shape, 3)}, view space")
+        with np.errstate(over="ignore"):
+            normals = normals.astype(np.float32)
+    return depth, color, normals
+
+
+def _radius_of(depth: NDArray[np.float32], camera: Camera, kind: str) -> float:
+    """An automatic radius for a depth image: a share of the extent of the middle 96 % of its points."""
+    if kind != "eye":
+        raise SettingsError("radius: window depth needs a radius in scene units")
+    with np.errstate(invalid="ignore"):
+        points = camera.view(depth.shape[::-1]).points(depth)[np.isfinite(depth) & (depth > 0)]
+    if not len(points):
+        return 1.0
+    low, high = np.percentile(points, (2, 98), axis=0)
+    return RADIUS_SHARE * float(np.linalg.norm(high - low)) or 1.0
+
+
+def _aov(frame: Frame, name: str, *, alpha: bool = False) -> NDArray[Any]:
+    """An AOV of a drawn frame, as :class:`Picture` documents it."""
+    resource = RESOURCES[name]
+    array = flipped(frame.read(resource))
+    if name == "visibility":
+        return array[..., 0].astype(np.float32) / 255
+    if name == "depth":
+        return array[..., 0]
+    if name == "normal":
+        f = np.minimum((array**2).sum(-1, keepdims=True), 4)
+        normal = np.concatenate([array * np.sqrt(1 - f / 4), 1 - f / 2], -1)
+        return np.where(flipped(frame.read("z")) > 0, normal, 0).astype(np.float32)
+    return array if alpha else np.ascontiguousarray(array[..., :3])
+
+
+__all__ = ["MAX_SIDE", "Renderer", "check_size", "resources"]
