@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from types import TracebackType
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import gl
-from .camera import Camera, Size
+from .camera import Camera, Size, View
 from .effect import upload
 from .errors import FormatError, SettingsError
 from .gl.context import Context
@@ -51,12 +51,13 @@ class Renderer:
         settings: Settings | None = None,
         *,
         aovs: Sequence[str] = ("image", "visibility"),
-        timed: bool = False,
+        timed: int = 0,
         checked: bool = False,
     ) -> Picture:
         """Draw ``scene``; without ``camera`` the scene's own first one, else an automatic view.
 
-        ``aovs``: any of image, visibility, depth, normal, color. ``timed`` adds milliseconds per pass to the report.
+        ``aovs``: any of image, visibility, depth, normal, color. ``timed`` draws that many frames
+        more and reports the median milliseconds of each pass.
         """
         check_size(size)
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
@@ -69,9 +70,10 @@ class Renderer:
         self._scene.camera = camera
         frame = self._plan(("render", settings, size, tuple(aovs)), lambda: plan_render(settings, size, aovs))
         started = time.perf_counter()
-        frame.run(camera.view(size), context=self._scene, timed=timed, checked=checked)
+        frame.run(camera.view(size), context=self._scene, checked=checked)
         arrays = {name: _aov(frame, name) for name in aovs}
-        report = self._report(settings, size, frame, time.perf_counter() - started, timed)
+        report = self._report(settings, size, frame, time.perf_counter() - started)
+        report |= measure(frame, timed, camera.view(size), context=self._scene)
         return Picture(arrays, report | {"camera": camera.name or "unnamed", "scene": scene.name, "triangles": scene.triangles})
 
     def apply(
@@ -83,7 +85,7 @@ class Renderer:
         normals: NDArray[Any] | None = None,
         depth_kind: str = "eye",
         settings: Settings | None = None,
-        timed: bool = False,
+        timed: int = 0,
         checked: bool = False,
     ) -> Picture:
         """Occlusion over arrays, row 0 on top.
@@ -105,13 +107,15 @@ class Renderer:
         inputs = {name: upload(self._kit, name, array) for name, array in given.items() if array is not None}
         started = time.perf_counter()
         try:
-            frame.run(camera.view(size), inputs, timed=timed, checked=checked)
+            frame.run(camera.view(size), inputs, checked=checked)
             names = ("visibility", "depth", "normal", *(("image",) if color is not None else ()))
             arrays = {name: _aov(frame, name, alpha=color is not None and color.shape[2] == 4) for name in names}
+            report = self._report(settings, size, frame, time.perf_counter() - started)
+            report |= measure(frame, timed, camera.view(size), inputs)
         finally:
             for texture in inputs.values():
                 texture.release()
-        return Picture(arrays, self._report(settings, size, frame, time.perf_counter() - started, timed))
+        return Picture(arrays, report)
 
     def _plan(self, key: Any, make: Any) -> Frame:
         """The frame for a plan; the last one is kept."""
@@ -123,8 +127,8 @@ class Renderer:
             self._frame = (key, Frame(self._kit, plan))
         return self._frame[1]
 
-    def _report(self, settings: Settings, size: Size, frame: Frame, seconds: float, timed: bool) -> dict[str, Any]:
-        report: dict[str, Any] = {
+    def _report(self, settings: Settings, size: Size, frame: Frame, seconds: float) -> dict[str, Any]:
+        return {
             "version": importlib.metadata.version("ssao_gl"),
             "settings": settings.table(),
             "size": list(size),
@@ -135,7 +139,6 @@ class Renderer:
             "plan": frame.plan.describe().splitlines(),
             "seconds": seconds,
         }
-        return report | (times(frame.times) if timed else {})
 
     def release(self) -> None:
         """Free everything, and the context if the renderer opened it. Calling it twice does no harm."""
@@ -157,13 +160,21 @@ class Renderer:
         self.release()
 
 
-def times(passes: Sequence[PassTime]) -> Mapping[str, Any]:
-    """Milliseconds per pass, of the G-buffer, and of everything after it."""
+def measure(frame: Frame, rounds: int, view: View, inputs: Any = None, *, context: Any = None) -> dict[str, Any]:
+    """Median milliseconds over ``rounds`` frames: of each pass, of the G-buffer, and of everything after it."""
+    runs: list[list[PassTime]] = []
+    for _ in range(rounds):
+        frame.run(view, inputs, context=context, timed=True)
+        runs.append(frame.times)
+    if not runs:
+        return {}
+    medians = {p.name: float(np.median([run[i].ms for run in runs])) for i, p in enumerate(runs[0])}
     return {
-        "passes": [{"name": p.name, "ms": p.ms} for p in passes],
-        "gbuffer_ms": sum(p.ms for p in passes if p.name == "gbuffer"),
-        "ao_ms": sum(p.ms for p in passes if p.name != "gbuffer"),
-        "clock": passes[0].clock if passes else "none",
+        "passes": [{"name": name, "ms": ms} for name, ms in medians.items()],
+        "gbuffer_ms": medians.get("gbuffer", 0.0),
+        "ao_ms": sum(ms for name, ms in medians.items() if name != "gbuffer"),
+        "clock": runs[0][0].clock,
+        "rounds": rounds,
     }
 
 

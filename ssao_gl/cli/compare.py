@@ -1,0 +1,38 @@
+"""``ssao-gl compare``: how far two pictures are apart, with an exit code for scripts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from .. import images
+from ..compare import compare as compare_pictures
+from ..compare import difference_picture
+from .output import say
+
+
+def compare(
+    actual: Path,
+    expected: Path,
+    *,
+    max_abs: Annotated[float | None, Parameter(help="Exit with 1 when any value differs by more (1/255 for PNG, the array's own unit for floats).")] = None,
+    metric: Annotated[str, Parameter(help="More numbers, by commas: rmse, psnr, ssim, flip.")] = "",
+    diff: Annotated[Path | None, Parameter(help="Write actual | expected | difference x 16 as PNG.")] = None,
+) -> int:
+    """Compare two pictures or arrays.
+
+    Parameters
+    ----------
+    actual
+        PNG, NPY or EXR.
+    expected
+        One of the same size.
+    """
+    found = compare_pictures(actual, expected, [name.strip() for name in metric.split(",") if name.strip()])
+    if diff is not None:
+        images.save(diff, difference_picture(actual, expected))
+    over = max_abs is not None and not found.max_abs <= max_abs
+    say(found.describe() + (f"; over the limit of {max_abs:g}" if over else ""))
+    return 1 if over else 0

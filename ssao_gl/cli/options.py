@@ -1,0 +1,133 @@
+"""Options that several commands share, as dataclasses; what they mean in terms of settings and cameras."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ..camera import Camera, Orthographic, Perspective, Size, look_at
+from ..config import read_toml, settings_from
+from ..errors import SettingsError
+from ..methods import registry
+from ..passes.blur import BLURS
+from ..pipeline import Settings, Shading
+from ..scene import Scene
+from ..settings import limits
+from .output import parse_size, parse_vector
+
+
+def _option(text: str, *names: str) -> Parameter:
+    return Parameter(name=list(names) or None, help=text, negative="")
+
+
+@Parameter(name="*", group="Occlusion")
+@dataclass(frozen=True, kw_only=True)
+class LookOptions:
+    """Which method, which filter, and their settings."""
+
+    method: Annotated[str | None, _option("AO method; `ssao-gl methods` lists them. [default: alchemy]")] = None
+    radius: Annotated[float | None, _option("Reach of occlusion, scene units. [default: the camera file's ao_radius, else a share of the scene]")] = None
+    samples: Annotated[int | None, _option("Taps a pixel. [default: the method's]")] = None
+    blur: Annotated[str | None, _option("Filter: none, lecture, separable or joint. [default: joint]")] = None
+    set: Annotated[tuple[str, ...], Parameter(name="--set", help="Any setting, as key=value or group.key=value; may be repeated.", negative="")] = ()
+    config: Annotated[Path | None, _option("TOML file with settings.")] = None
+
+    def settings(self) -> Settings:
+        """Raises SettingsError."""
+        table = read_toml(self.config) if self.config else {}
+        return settings_from(
+            table,
+            method_name=self.method,
+            blur_name=self.blur,
+            assignments=self.set,
+            overrides={"radius": self.radius, "samples": self.samples},
+        )
+
+
+@Parameter(name="*", group="View")
+@dataclass(frozen=True, kw_only=True)
+class ViewOptions:
+    """Size and camera."""
+
+    size: Annotated[str, _option("Width x height, pixels.")] = "1280x720"
+    camera: Annotated[str | None, _option("Camera file, FILE.cam.json or FILE.cam.json:NAME. [default: the scene's own, else automatic]")] = None
+    eye: Annotated[str | None, _option("Where the camera stands: x,y,z in scene units.")] = None
+    target: Annotated[str | None, _option("What it looks at: x,y,z. [default: the middle of the scene]")] = None
+    up: Annotated[str | None, _option("Upwards in the image: x,y,z. [default: the scene's up]")] = None
+    yfov_deg: Annotated[float | None, _option("Vertical field of view, degrees. [default: 40]")] = None
+    znear: Annotated[float | None, _option("Distance of the near plane, scene units.")] = None
+    zfar: Annotated[float | None, _option("Distance of the far plane, scene units; inf for none.")] = None
+    ortho: Annotated[float | None, _option("Parallel projection this many scene units high.")] = None
+    up_axis: Annotated[str, _option("Which axis of the file is up, for automatic views: x, y, z or auto.")] = "auto"
+    crease_deg: Annotated[float, _option("Meshes without normals: edges sharper than this stay sharp, degrees; 0: flat.")] = 40.0
+
+    def pixels(self) -> Size:
+        return parse_size(self.size)
+
+    def load(self, path: Path | None) -> Scene:
+        """The scene file, or the embedded scene. Raises SceneError, SettingsError."""
+        if path is None:
+            from ..default_scene import default_scene
+
+            return default_scene()
+        if not 0 <= self.crease_deg <= 180:
+            raise SettingsError(f"--crease-deg {self.crease_deg:g}: must be 0 to 180")
+        return Scene.load(path, crease=math.radians(self.crease_deg), up=self.up_axis)
+
+    def choose(self, scene: Scene) -> Camera:
+        """The camera for ``scene``: the options' over the file's over the scene's over an automatic one."""
+        size = self.pixels()
+        if self.camera is not None:
+            from ..adapters.camera_files import load_camera
+
+            base = load_camera(self.camera)
+        else:
+            base = scene.cameras[0] if scene.cameras else scene.default_camera(size)
+        pose = base.pose
+        if self.eye is not None or self.target is not None or self.up is not None:
+            eye = parse_vector("eye", self.eye) if self.eye else pose[:3, 3]
+            target = parse_vector("target", self.target) if self.target else scene.bounds.mean(0)
+            up = parse_vector("up", self.up) if self.up else scene.up
+            pose = look_at(eye, target, up)
+        return dataclasses.replace(base, lens=self._lens(base, scene, pose), pose=pose)
+
+    def _lens(self, base: Camera, scene: Scene, pose: object) -> object:
+        """The base's lens, changed only where an option asks for it."""
+        import numpy as np
+
+        pose = np.asarray(pose)
+        moved = not np.array_equal(pose, base.pose) and self.camera is None
+        if self.ortho is None and self.yfov_deg is None and self.znear is None and self.zfar is None and not moved:
+            return base.lens
+        corners = np.array([[x, y, z] for x in scene.bounds[:, 0] for y in scene.bounds[:, 1] for z in scene.bounds[:, 2]])
+        depths = (pose[:3, 3] - corners) @ pose[:3, 2]
+        view = base.view(self.pixels())
+        near = self.znear if self.znear is not None else (max(1e-4 * scene.extent, 0.5 * depths.min()) if moved else view.near)
+        far = self.zfar if self.zfar is not None else (max(1.5 * depths.max(), 2 * near) if moved else view.far)
+        if self.ortho is not None:
+            return Orthographic(self.ortho, self.znear or 0.0, far if math.isfinite(far) else 1e6 * self.ortho)
+        yfov = math.radians(self.yfov_deg) if self.yfov_deg is not None else 2 * math.atan(1 / abs(view.projection[1, 1]))
+        return Perspective(yfov, near, far if math.isfinite(far) else None)
+
+
+GlOption = Annotated[str, Parameter(name="--gl", group="Output", help="OpenGL provider: auto, egl-es, egl-gl, osmesa, angle, swiftshader, native.")]
+JsonOption = Annotated[Path | None, Parameter(name="--json", group="Output", help="Write settings, plan, renderer and milliseconds per pass; - prints them.")]
+
+
+def settings_help() -> str:
+    """Every setting with unit, default and range, from the dataclasses themselves."""
+    groups = [*registry().values(), *BLURS.values(), Shading]
+    lines = ["Settings for --set and TOML files (group.key, default, unit, range):"]
+    for kind in groups:
+        prefix = f"blur.{kind.name}" if kind in BLURS.values() else getattr(kind, "name", kind.__name__.lower())  # type: ignore[attr-defined]
+        lines.append(f"  {prefix}")
+        for field in dataclasses.fields(kind):
+            rule = limits(field)
+            facts = ", ".join(part for part in (f"{'auto' if field.default is None else field.default}", rule.unit, rule.describe()) if part)
+            lines.append(f"    {field.name:14}{rule.doc} [{facts}]")
+    return "\n".join(lines)

@@ -1,0 +1,147 @@
+"""``ssao-gl render``: a scene to pictures."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from cyclopts import Parameter
+
+from .. import images
+from ..camera import Camera
+from ..errors import FormatError, SettingsError
+from ..picture import Picture, save_animation
+from ..pipeline import AOVS, Settings
+from ..renderer import Renderer, check_size
+from ..scene import Scene
+from .options import GlOption, JsonOption, LookOptions, ViewOptions
+from .output import progress, say, write_json
+
+ANIMATIONS = (".gif", ".webp", ".apng")
+TIMED_FRAMES = 5
+
+
+def render(
+    scene: Path | None = None,
+    *,
+    output: Annotated[Path, Parameter(name=["--output", "-o"], group="Output", help="PNG, NPY or EXR file, or a folder for all AOVs as NPY and PNG.")] = Path("ssao.png"),
+    aov: Annotated[str | None, Parameter(group="Output", help=f"What to write, by commas: {', '.join(AOVS)}. [default: image for PNG, visibility for arrays, image and visibility for folders]")] = None,
+    bits: Annotated[int, Parameter(group="Output", help="Of grey PNG files: 8 or 16.")] = 8,
+    turntable: Annotated[int, Parameter(group="Output", help="Frames of a turn about the scene: numbered files in a folder, or a .gif, .webp or .apng file.")] = 0,
+    gl: GlOption = "auto",
+    json: JsonOption = None,
+    view: ViewOptions = ViewOptions(),
+    look: LookOptions = LookOptions(),
+) -> int:
+    """Render a scene file with ambient occlusion.
+
+    Parameters
+    ----------
+    scene
+        GLB, glTF, OBJ, PLY, STL, OFF or another format of trimesh. Without it: the embedded scene.
+    """
+    settings = look.settings()
+    size = view.pixels()
+    check_size(size)
+    aovs = _aovs(aov, output, turntable)
+    _check_output(output, turntable, bits)
+    loaded = view.load(scene)
+    camera = view.choose(loaded)
+    with Renderer(gl) as renderer:
+        if turntable:
+            _turn(renderer, loaded, camera, size, settings, aovs, output, turntable)
+            return 0
+        picture = renderer.render(loaded, camera, size, settings, aovs=aovs, timed=TIMED_FRAMES if json else 0)
+    _save(picture, output, bits)
+    if json:
+        write_json(json, picture.report)
+    return 0
+
+
+def embedded() -> int:
+    """``ssao-gl`` without arguments."""
+    return render()
+
+
+def _aovs(text: str | None, output: Path, turntable: int) -> tuple[str, ...]:
+    if text is None:
+        if turntable or output.suffix.lower() == ".png":
+            return ("image",)
+        return ("visibility",) if output.suffix.lower() in images.SUFFIXES else ("image", "visibility")
+    aovs = tuple(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
+    from ..pipeline import resources
+
+    resources(aovs)  # names are checked before anything is drawn
+    if not aovs:
+        raise SettingsError("--aov: name at least one of " + ", ".join(AOVS))
+    if len(aovs) > 1 and output.suffix.lower() in images.SUFFIXES:
+        raise SettingsError(f"-o {output}: one file holds one AOV; give a folder for {', '.join(aovs)}")
+    return aovs
+
+
+def _check_output(output: Path, turntable: int, bits: int) -> None:
+    suffix = output.suffix.lower()
+    if bits not in (8, 16):
+        raise SettingsError(f"--bits {bits}: must be 8 or 16")
+    if turntable < 0 or turntable > 100_000:
+        raise SettingsError(f"--turntable {turntable}: must be 1 to 100000 frames")
+    known = (*images.SUFFIXES, *(ANIMATIONS if turntable else ()))
+    if suffix and suffix not in known and not output.is_dir():
+        raise FormatError(f"-o {output}: unknown suffix '{suffix}'; use one of {', '.join(known)}, or a folder")
+    if turntable and suffix in images.SUFFIXES:
+        raise FormatError(f"-o {output}: a turntable goes to a folder or to a {', '.join(ANIMATIONS)} file")
+    if suffix and not output.parent.is_dir():
+        raise FormatError(f"-o {output}: there is no folder {output.parent}")
+
+
+def _save(picture: Picture, output: Path, bits: int) -> None:
+    aov = next(iter(picture.arrays)) if len(picture.arrays) == 1 else None
+    paths = picture.save(output, aov=aov, bits=bits)
+    report = picture.report
+    where = str(paths[0]) if len(paths) == 1 else f"{output}{'' if str(output).endswith('/') else '/'} ({len(paths)} files)"
+    settings = report["settings"]
+    say(
+        f"{where}: {report['scene']}, {report['triangles']:,} triangles, {report['size'][0]}x{report['size'][1]}, {settings['method']}"
+        f" radius {settings[settings['method']]['radius']:.4g}, blur {settings['blur']}, {report['provider']} ({report['renderer']}),"
+        f" {1e3 * report['seconds']:.0f} ms"
+    )
+
+
+def _turn(
+    renderer: Renderer, scene: Scene, camera: Camera, size: tuple[int, int], settings: Settings,
+    aovs: tuple[str, ...], output: Path, count: int,
+) -> None:  # fmt: skip
+    frames = (renderer.render(scene, turned, size, settings, aovs=aovs) for turned in orbit(camera, scene, count))
+    shown = progress(frames, "turntable", count)
+    if output.suffix.lower() in ANIMATIONS:
+        save_animation(output, list(shown))
+        say(f"{output}: {count} frames")
+        return
+    for index, picture in enumerate(shown):
+        folder = output if len(aovs) == 1 else output / f"{index:04d}"
+        picture.save(folder / f"{index:04d}.png" if _ready(output) and len(aovs) == 1 else folder)
+    say(f"{output}/: {count} frames")
+
+
+def _ready(folder: Path) -> bool:
+    from ..files import make_folder
+
+    make_folder(folder)
+    return True
+
+
+def orbit(camera: Camera, scene: Scene, count: int) -> Iterator[Camera]:
+    """``count`` cameras evenly around the scene's middle, about its up axis, starting with ``camera``."""
+    center, up = scene.bounds.mean(0), np.asarray(scene.up, np.float64)
+    x, y, z = up / np.linalg.norm(up)
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    for index in range(count):
+        angle = 2 * math.pi * index / count
+        turn = np.eye(4)
+        turn[:3, :3] += math.sin(angle) * skew + (1 - math.cos(angle)) * skew @ skew  # Rodrigues
+        turn[:3, 3] = center - turn[:3, :3] @ center
+        yield dataclasses.replace(camera, pose=turn @ camera.pose)

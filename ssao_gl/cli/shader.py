@@ -1,0 +1,57 @@
+"""``ssao-gl shader``: the exact text that the driver gets."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from .. import sources
+from ..errors import SettingsError
+from ..methods import registry
+
+EXAMPLES: Mapping[str, Mapping[str, sources.Define]] = {
+    "gbuffer.frag": {"TARGETS": 3, "DEPTH_TARGET": 0, "NORMAL_TARGET": 1, "COLOR": 2, "NORMAL": 1, "SMOOTH": 1},
+    "gbuffer.vert": {"NORMAL": 1, "SMOOTH": 1},
+    "blur_joint.frag": {"PACKED": 1, "RADIUS": 2, "LAST": 1, "PINHOLE": 1},
+    "blur_intensity.frag": {"PACKED": 1, "RADIUS": 4, "WIDTH": 4, "HEIGHT": 4, "LAST": 1},
+}
+"""Defines that a shader cannot do without, as the default settings give them."""
+
+
+def shader(
+    name: str | None = None,
+    *,
+    dialect: Annotated[str, Parameter(help=f"One of {', '.join(sources.DIALECTS)}.")] = "es300",
+    define: Annotated[tuple[str, ...], Parameter(help="NAME or NAME=VALUE, over the defaults; may be repeated.", negative="")] = (),
+) -> int:
+    """Print a shader, complete for one GLSL dialect.
+
+    Parameters
+    ----------
+    name
+        A method (alchemy) or a shader file (blur_joint.frag). Without it: the list of both.
+    """
+    if name is None:
+        sys.stdout.write("\n".join([*registry(), *sources.names()]) + "\n")
+        return 0
+    methods = registry()
+    file = methods[name].shader if name in methods else name  # type: ignore[attr-defined]
+    defines = dict(defaults(file))
+    for text in define:
+        key, _, value = text.partition("=")
+        if not key.isidentifier():
+            raise SettingsError(f"--define {text}: must be NAME or NAME=VALUE")
+        defines[key] = value or 1
+    sys.stdout.write(sources.build(file, defines, dialect).text)
+    return 0
+
+
+def defaults(file: str) -> Mapping[str, sources.Define]:
+    """The defines that the default settings give a shader file."""
+    for kind in registry().values():
+        if kind.shader == file:  # type: ignore[attr-defined]
+            return {**kind().defines(), "PINHOLE": 1}
+    return EXAMPLES.get(file, {})

@@ -1,0 +1,89 @@
+"""Settings from names, TOML files and ``key=value`` texts."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from .errors import SettingsError, near_miss
+from .methods import method, registry
+from .passes.blur import BLURS, blur
+from .pipeline import Settings, Shading
+from .settings import assign
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """A settings file: ``method`` and ``blur`` by name, and tables ``[blur]``... see :func:`settings_from`. Raises SettingsError."""
+    try:
+        return tomllib.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise SettingsError(f"{path}: {error.strerror or error}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise SettingsError(f"{path}: not TOML ({error})") from None
+
+
+def settings_from(
+    table: Mapping[str, Any] | None = None,
+    *,
+    method_name: str | None = None,
+    blur_name: str | None = None,
+    assignments: Iterable[str] = (),
+    overrides: Mapping[str, Any] | None = None,
+) -> Settings:
+    """Settings in rising order of precedence: defaults, ``table`` (from TOML), names, ``group.key=value`` texts, overrides.
+
+    Groups are ``shading``, ``blur`` (the chosen filter) and the name of the chosen method; a key without a group is the
+    method's. ``overrides`` are fields of the method. Raises SettingsError naming what is unknown.
+    """
+    table = dict(table or {})
+    chosen: dict[str, Any] = {
+        "method": method(method_name or _text(table, "method", "alchemy")),
+        "blur": blur(blur_name or _text(table, "blur", "joint")),
+        "shading": Shading(),
+    }
+    name = chosen["method"].name
+    groups = {name: "method", "method": "method", "shading": "shading"}
+    groups |= {f"blur_{chosen['blur'].name}": "blur"} if chosen["blur"] else {}
+
+    def put(group: str, values: Mapping[str, Any]) -> None:
+        if group == "blur" and chosen["blur"] is None:
+            raise SettingsError("there is no blur to set anything of: blur is 'none'")
+        part = "blur" if group == "blur" else groups.get(group)
+        if part is not None:
+            chosen[part] = assign(chosen[part], values)
+        elif group not in registry() and group not in {f"blur_{b}" for b in BLURS}:  # others' settings may stay in a file
+            known = [*groups, "blur"]
+            raise SettingsError(f"unknown group of settings '{group}'; there are {', '.join(known)}.{near_miss(group, known)}")
+
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            put(key, value)
+        elif key not in ("method", "blur"):
+            raise SettingsError(f"unknown setting '{key}'; groups are tables, like [{name}].{near_miss(key, ['method', 'blur'])}")
+    for text in assignments:
+        key, equals, value = text.partition("=")
+        if not equals:
+            raise SettingsError(f"--set {text}: must be key=value or group.key=value")
+        group, dot, field = key.strip().partition(".")
+        if dot and group in registry() and group != name:
+            raise SettingsError(f"--set {text}: the method is {name}, not {group}; add --method {group}")
+        put(group if dot else name, {field if dot else group: value.strip()})
+    fields = {f.name for f in dataclasses.fields(chosen["method"])}
+    for key, value in (overrides or {}).items():
+        if value is not None:
+            if key not in fields:
+                raise SettingsError(f"--{key}: {name} has no such setting; it has {', '.join(sorted(fields))}")
+            chosen["method"] = assign(chosen["method"], {key: value})
+    return Settings(**chosen)
+
+
+def _text(table: Mapping[str, Any], key: str, default: str) -> str:
+    value = table.get(key, default)
+    if isinstance(value, Mapping):  # a table [blur] sets the default filter
+        return default
+    if not isinstance(value, str):
+        raise SettingsError(f"{key} = {value!r}: must be a name in quotes")
+    return value
