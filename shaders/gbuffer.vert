@@ -7,7 +7,7 @@ ATTRIBUTE vec3 a_position;
 ATTRIBUTE mat4 a_model;
 VARYING vec3 v_position;
 #ifdef SMOOTH
-ATTRIBUTE vec4 a_normal;  // 16-bit integers, of any length
+ATTRIBUTE ivec4 a_normal;  // 16-bit integers, of any length
 VARYING vec3 v_normal;
 #endif
 #ifdef VERTEX_COLOR
@@ -23,7 +23,7 @@ void main() {
 #ifdef SMOOTH
     // The cofactor matrix turns normals right under non-uniform scales, and mirrored ones up to a sign.
     vec3 x = model_view[0].xyz, y = model_view[1].xyz, z = model_view[2].xyz;
-    v_normal = mat3(cross(y, z), cross(z, x), cross(x, y)) * a_normal.xyz;
+    v_normal = mat3(cross(y, z), cross(z, x), cross(x, y)) * vec3(a_normal.xyz);
 #endif
 #ifdef VERTEX_COLOR
     v_color = a_color;

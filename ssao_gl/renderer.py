@@ -118,9 +118,13 @@ class Renderer:
         return Picture(arrays, report)
 
     def _plan(self, key: Any, make: Any) -> Frame:
-        """The frame for a plan; the last one is kept."""
+        """The frame for a plan; the last one is kept, and its textures serve every plan of the same shape."""
         if self._frame is None or self._frame[0] != key:
             plan: Plan = make()
+            if self._frame is not None and self._frame[1].plan == plan:
+                self._frame[1].plan = plan  # other settings, the same targets
+                self._frame = (key, self._frame[1])
+                return self._frame[1]
             if self._frame is not None:
                 self._frame[1].release()
                 self._frame = None

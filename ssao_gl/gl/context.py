@@ -110,7 +110,7 @@ def attach(
         raise ContextError(f"the current context is '{text}', not {'OpenGL ES' if api == 'es' else 'desktop OpenGL'}")
     if version < (300 if found == "es" else 330):
         raise ContextError(f"'{text}' is too old: OpenGL ES 3.0 or OpenGL 3.3 is needed")
-    loader = Loader(functions, es=found == "es")
+    loader = Loader(functions, es=found == "es", version=version)
     mgl = moderngl.create_context(require=300, context=loader)
     context = Context(provider, platform, found, mgl, functions, loader, make_current, close)
     if found == "es":

@@ -160,6 +160,8 @@ class Frame:
 
     def release(self) -> None:
         """Free every texture and framebuffer. Calling it twice does no harm."""
+        if self._owned:
+            self.kit.home.use()
         for made in reversed(self._owned):
             made.release()
         self._owned = []

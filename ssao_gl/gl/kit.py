@@ -61,6 +61,9 @@ class Kit:
     def __init__(self, ctx: Context) -> None:
         self.ctx = ctx
         mgl = ctx.mgl
+        # moderngl goes back to the framebuffer it believes bound whenever it makes something; this one is always there.
+        self._pixel = mgl.texture((1, 1), 4)
+        self.home = mgl.framebuffer([self._pixel])
         self._corner = mgl.buffer(np.array([-1, -1, 3, -1, -1, 3], "f4").tobytes())
         self._programs: dict[Any, Program] = {}
         self._triangles: dict[Any, moderngl.VertexArray] = {}
@@ -122,6 +125,6 @@ class Kit:
             program.release()
         for texture in self._lookups.values():
             texture.release()
-        for thing in (self._corner, self._clamp, self._repeat):
+        for thing in (self._corner, self._clamp, self._repeat, self.home, self._pixel):
             thing.release()
         self._programs, self._triangles, self._lookups = {}, {}, {}

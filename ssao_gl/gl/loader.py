@@ -64,11 +64,11 @@ class Functions:
 class Loader:
     """What ``moderngl.create_context(context=...)`` wants: entry points, and a context to enter and leave."""
 
-    def __init__(self, functions: Functions, *, es: bool) -> None:
+    def __init__(self, functions: Functions, *, es: bool, version: int) -> None:
         self.functions = functions
         self.absent_calls: list[str] = []
         """Names of absent functions that moderngl called all the same; empty on a healthy run."""
-        self._callbacks: dict[str, Any] = _es_shims(functions) if es else {}
+        self._callbacks: dict[str, Any] = _es_shims(functions, version) if es else {}
         self._es = es
 
     def load_opengl_function(self, name: str) -> int:
@@ -100,7 +100,7 @@ class Loader:
         """moderngl calls this; the context belongs to :class:`ssao_gl.gl.Context`."""
 
 
-def _es_shims(gl: Functions) -> dict[str, Any]:
+def _es_shims(gl: Functions, version: int) -> dict[str, Any]:
     """Callbacks for the calls of moderngl that OpenGL ES lacks or defines otherwise. None may raise."""
 
     def clear_depth(value: float) -> None:
@@ -162,9 +162,10 @@ def _es_shims(gl: Functions) -> dict[str, Any]:
         "glTexImage2D": ctypes.CFUNCTYPE(None, U, I, I, I, I, I, U, U, P)(tex_image_2d),
         "glGetTexImage": ctypes.CFUNCTYPE(None, U, I, U, U, P)(get_tex_image),
     }
-    if not gl.get_proc("glColorMaski"):
+    # By version, not by address: ANGLE hands out functions that it then refuses.
+    if version < 320 or not gl.get_proc("glColorMaski"):
         shims["glColorMaski"] = ctypes.CFUNCTYPE(None, U, B, B, B, B)(color_mask_indexed)
-    if not gl.get_proc("glGetTexLevelParameteriv"):
+    if version < 310 or not gl.get_proc("glGetTexLevelParameteriv"):
         shims["glGetTexLevelParameteriv"] = ctypes.CFUNCTYPE(None, U, I, U, P)(tex_level_parameter)
     return shims
 
