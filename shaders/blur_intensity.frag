@@ -1,5 +1,6 @@
 // The lecture's bilateral filter: Gaussian in space times Gaussian in intensity, normalised. In 2-D with WIDTH and
 // HEIGHT both the radius; one of them 0 makes an axis of the separable approximation.
+#needs es300
 #include "lib/output.glsl"
 
 uniform vec2 u_texel;

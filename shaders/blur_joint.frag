@@ -1,5 +1,6 @@
 // One axis of a joint bilateral filter: taps weigh by how well they lie in the tangent plane of the pixel.
-// Along the axis, n . P is (a + i b) z + i d with constants of the pixel: no position is rebuilt for a tap.
+// Along the axis, n . P is (a + i b) z + i d with a, b, d constant for the pixel: no position is rebuilt for a tap.
+#needs es300
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
 #include "lib/output.glsl"
@@ -10,31 +11,26 @@ uniform vec2 u_step;          // uv of one texel along the axis
 uniform float u_weights[RADIUS + 1];
 uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w = 1)
 
+// A tap i texels along the axis: (visibility, 1) by its weight. Background (depth 0) weighs nothing.
+// line is (a, b, d) and plane the plane's own distance, both in units of the tolerance.
+vec2 ssao_tap(vec2 uv, float i, float weight, vec3 line, float plane) {
+    vec2 tap = ssao_unpack(SAMPLE(u_packed, uv + i * u_step).r);
+    float off = abs((line.x + i * line.y) * tap.y + i * line.z - plane);
+    return tap.y > 0.0 ? vec2(tap.x, 1.0) * (clamp(2.0 - off, 0.0, 1.0) * weight) : vec2(0.0);
+}
+
 void main() {
     vec2 uv = gl_FragCoord.xy * u_texel;
     vec2 here = ssao_unpack(SAMPLE(u_packed, uv).r);
     vec3 n = ssao_decode_normal(SAMPLE(u_normal, uv).xy);
-    float a = dot(n.xy, u_ray * uv + u_ray0) - n.z;
-    float b = dot(n.xy, u_ray * u_step);
-#ifdef PINHOLE
-    float d = 0.0;
-#else
-    float d = dot(n.xy, u_org * u_step);
+    vec3 line = vec3(dot(n.xy, u_ray * uv + u_ray0) - n.z, dot(n.xy, u_ray * u_step), 0.0);
+#ifndef PINHOLE
+    line.z = dot(n.xy, u_org * u_step);
 #endif
-    float per_pixel = u_per_pixel / max(ssao_w(here.y), 1e-30);
-    a *= per_pixel;
-    b *= per_pixel;
-    d *= per_pixel;
-    float plane = a * here.y;
+    line *= u_per_pixel / max(ssao_w(here.y), 1e-30);
+    float plane = line.x * here.y;
     vec2 sum = vec2(here.x, 1.0) * u_weights[0];
-    vec2 tap;
-    float weight;
-    // background (depth 0) weighs nothing, on either side
-#define TAP(I, SIDE) \
-    tap = ssao_unpack(SAMPLE(u_packed, uv + float(SIDE) * u_step).r); \
-    weight = clamp(2.0 - abs((a + float(SIDE) * b) * tap.y + float(SIDE) * d - plane), 0.0, 1.0) * u_weights[I]; \
-    sum += tap.y > 0.0 ? vec2(tap.x, 1.0) * weight : vec2(0.0);
-#repeat RADIUS TAP(@ + 1, @ + 1) TAP(@ + 1, -(@ + 1))
+#repeat RADIUS sum += ssao_tap(uv, float(@ + 1), u_weights[@ + 1], line, plane) + ssao_tap(uv, -float(@ + 1), u_weights[@ + 1], line, plane);
     float visibility = sum.x / sum.y;
 #ifdef LAST
     frag_color = vec4(here.y > 0.0 ? visibility : 1.0);

@@ -1,5 +1,6 @@
 // Linear depth (scene units), view-space normal turned to the viewer, base colour with the direct light in alpha.
 // Each target is there only when some pass reads it.
+#needs es300
 #include "lib/normal.glsl"
 
 VARYING vec3 v_position;

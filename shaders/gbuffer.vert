@@ -1,5 +1,6 @@
 // Instances are placed relative to the middle of the scene, and the view matrix starts there too (both computed in
 // 64-bit), so a scene far from the origin loses nothing to 32-bit floats.
+#needs es300
 uniform mat4 u_view;
 uniform mat4 u_projection;
 

@@ -18,9 +18,12 @@ void main() {
 #else
     float z = d;
 #endif
-    // Tested on the bits: compilers may assume that floats are never NaN. Exponent 255 is infinity or NaN; the upper
-    // bound keeps squares of distances finite.
-    uint bits = floatBitsToUint(z);
-    bool usable = (bits >> 23u) < 190u && z > 0.0;
+    // Infinity and NaN have no place in what follows; the upper bound keeps squares of distances finite.
+#ifdef ES100
+    bool usable = z > 0.0 && z < 9e18;
+#else
+    // Tested on the bits: compilers may assume that floats are never NaN. Sign 0, exponent below 2^63.
+    bool usable = (floatBitsToUint(z) >> 23u) < 190u && z > 0.0;
+#endif
     frag_color = vec4(usable ? z : 0.0);
 }

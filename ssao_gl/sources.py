@@ -2,7 +2,8 @@
 
 Two directives are ours: ``#include "lib/view.glsl"`` (each file once), and ``#repeat N line with @`` which writes the
 line N times with ``@`` as the counter: loops written out this way run up to 1.8 times faster on software renderers,
-and constant indices are legal in every dialect. ``N`` is a number or the name of a define.
+and constant indices are legal in every dialect. ``N`` is a number or the name of a define. A file with the line
+``#needs es300`` uses what GLSL ES 1.00 has not (integers, several targets); so does every shader with ``PACKED``.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from .errors import ShaderError, near_miss
 
 DIALECTS = ("es300", "gl330", "es100")
 Define = str | int | float
+_NEEDS = "#needs es300"
 _DIRECTIVE = re.compile(r'^\s*#(include|repeat)\s+(?:"([^"]+)"|(\w+)\s+(.*))\s*$')
 
 
@@ -66,6 +68,8 @@ def build(name: str, defines: Mapping[str, Define] | None = None, dialect: str =
     if name not in names():
         raise ShaderError(f"there is no shader '{name}'; there are {', '.join(names())}.{near_miss(name, names())}")
     defines = dict(defines or {})
+    if dialect == "es100" and not speaks_es100(name, defines):
+        raise ShaderError(f"{name} needs integers or several targets, which GLSL ES 1.00 has not; use --dialect es300")
     header = f"dialects/{dialect}{Path(name).suffix}"
     lines: list[tuple[str, str, int]] = []
     head = _read(header).splitlines()
@@ -74,6 +78,11 @@ def build(name: str, defines: Mapping[str, Define] | None = None, dialect: str =
     lines += [(text, header, n) for n, text in enumerate(head[1:], 2)]
     _expand(name, defines, set(), lines)
     return Source("\n".join(text for text, _, _ in lines) + "\n", tuple((file, n) for _, file, n in lines))
+
+
+def speaks_es100(name: str, defines: Mapping[str, Define]) -> bool:
+    """Whether a shader can be written in GLSL ES 1.00."""
+    return "PACKED" not in defines and _NEEDS not in _read(name)
 
 
 @cache
@@ -89,6 +98,8 @@ def _expand(name: str, defines: Mapping[str, Define], seen: set[str], out: list[
     seen.add(name)
     for number, line in enumerate(_read(name).splitlines(), 1):
         match = _DIRECTIVE.match(line)
+        if line == _NEEDS:
+            continue
         if match is None:
             out.append((line, name, number))
         elif match[1] == "include":

@@ -81,6 +81,6 @@ def methods(name: str | None = None) -> int:
             for f in dataclasses.fields(kind)
         ]
         table("", ("setting", "default", "unit", "range", "what it is"), rows)
-        for contract, reason in getattr(kind, "exceptions", {}).items():
-            say(f"  by its definition not: {contract}: {reason}")
+        for contract, deviation in getattr(kind, "exceptions", {}).items():
+            say(f"  by its definition it breaks '{contract}' (bound {deviation.bound:g}): {deviation.reason}")
     return 0

@@ -103,8 +103,7 @@ class Kit:
         texture = self._lookups.get(key)
         if texture is None:
             h, w = values.shape[:2]
-            # Half floats: the widest format that every ES 3.0 driver samples; angles keep 11 bits.
-            texture = self._lookups[key] = self.ctx.mgl.texture((w, h), 2, values.astype("f2").tobytes(), dtype="f2")
+            texture = self._lookups[key] = self.ctx.mgl.texture((w, h), 2, values.astype("f4").tobytes(), dtype="f4")
         return texture
 
     def bind(self, unit: int, texture: moderngl.Texture, *, repeat: bool = False) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.metadata
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
@@ -19,6 +20,15 @@ from ..errors import SettingsError, near_miss
 from ..sources import Define
 
 
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """A contract that a method's published definition breaks: by how much at most, and why."""
+
+    bound: float
+    """Largest deviation, in the measure of that contract's test; inf where the method refuses instead."""
+    reason: str
+
+
 @runtime_checkable
 class Method(Protocol):
     """What an AO method is: a frozen dataclass with a shader. Lengths are in scene units unless it says otherwise."""
@@ -28,8 +38,8 @@ class Method(Protocol):
     """Fragment shader, below ``shaders/``."""
     samplers: ClassVar[Mapping[str, str]]
     """Sampler uniform -> resource: ``z``, ``normal``, ``z_over_far``."""
-    exceptions: ClassVar[Mapping[str, str]]
-    """Contract of :mod:`tests` that the published definition breaks -> why, and within which bound."""
+    exceptions: ClassVar[Mapping[str, Deviation]]
+    """Contracts (see ``tests/gl/test_contract.py``) that the published definition breaks. Empty for good methods."""
 
     @property
     def radius(self) -> Any: ...

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..camera import View
 from ..kernel import Kernel, Rotation
 from ..settings import setting, validate
-from . import register
+from . import Deviation, register
 
 CORNER = math.pi / (8 * math.log(1 + math.sqrt(2)))
 """Sigma over the radius for which a point in the corner of two walls is half occluded, seen along the corner's
@@ -35,7 +35,7 @@ class Alchemy:
     name: ClassVar[str] = "alchemy"
     shader: ClassVar[str] = "methods/alchemy.frag"
     samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
-    exceptions: ClassVar[Mapping[str, str]] = {}
+    exceptions: ClassVar[Mapping[str, Deviation]] = {}
 
     radius: float | None = setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
     samples: int = setting(12, "taps a pixel", low=1, high=128)

@@ -14,7 +14,7 @@ from ..camera import View
 from ..errors import SettingsError
 from ..kernel import Kernel, Rotation
 from ..settings import setting, validate
-from . import register
+from . import Deviation, register
 
 
 @register
@@ -34,10 +34,10 @@ class Lecture:
     name: ClassVar[str] = "lecture"
     shader: ClassVar[str] = "methods/lecture.frag"
     samplers: ClassVar[Mapping[str, str]] = {"depth": "z_over_far", "normal": "normal"}
-    exceptions: ClassVar[Mapping[str, str]] = {
-        "radius in scene units": "its radius is a share of the image that shrinks towards the far plane",
-        "orthographic": "unprojecting by far-plane point times depth holds for a perspective only",
-        "scale": "depth / far is invariant only when the far plane is scaled too",
+    exceptions: ClassVar[Mapping[str, Deviation]] = {
+        "orthographic": Deviation(math.inf, "far-plane point times depth holds for a perspective only; it refuses others"),
+        "far plane": Deviation(0.25, "footprint and depth window are shares of the far distance"),
+        "border": Deviation(0.5, "taps outside the image read its border"),
     }
 
     radius: float = setting(0.08, "footprint at depth 0, shrinking to 0 at the far plane", unit="share of the image", low=0, high=2)

@@ -1,0 +1,71 @@
+"""Fixtures: a renderer for every OpenGL provider that opens here, and scenes to try things on."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import ssao_gl as ao
+from ssao_gl.default_scene import default_scene
+from ssao_gl.gl.providers import PROVIDERS
+
+EXPECTED = [name for name in os.environ.get("SSAO_GL_EXPECT", "").split(",") if name]
+"""Providers whose absence is a failure."""
+
+
+@cache
+def openable() -> tuple[str, ...]:
+    names = []
+    for provider in PROVIDERS.values():
+        try:
+            provider.open().release()
+            names.append(provider.name)
+        except Exception as reason:
+            if provider.name in EXPECTED:
+                pytest.exit(f"provider {provider.name} is expected here but does not open: {reason}", 1)
+    if not names:
+        pytest.exit("no OpenGL provider opens here; see: ssao-gl doctor", 1)
+    return tuple(names)
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--regenerate", action="store_true", help="rewrite tests/references from what is drawn now")
+
+
+def pytest_report_header() -> str:
+    return f"OpenGL providers: {', '.join(openable())}"
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "provider" in metafunc.fixturenames:
+        metafunc.parametrize("provider", openable(), scope="module")
+
+
+@pytest.fixture(scope="module")
+def renderer(provider: str) -> Iterator[ao.Renderer]:
+    with ao.Renderer(provider) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def any_renderer() -> Iterator[ao.Renderer]:
+    """One renderer, the first that opens: for what does not depend on the driver."""
+    with ao.Renderer(openable()[0]) as made:
+        yield made
+
+
+@pytest.fixture(scope="session")
+def embedded() -> ao.Scene:
+    return default_scene()
+
+
+def real_scenes() -> list[Path]:
+    """Scene files with cameras beside them in the folder that SSAO_GL_SCENES names; none by default."""
+    folder = os.environ.get("SSAO_GL_SCENES")
+    if not folder:
+        return []
+    return [path for path in sorted(Path(folder).glob("*.glb")) if path.with_suffix(".cam.json").exists()]
