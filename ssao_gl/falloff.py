@@ -9,6 +9,7 @@ Sbert, Cata, "Real-time Obscurances with Color Bleeding", SCCG 2003, write the o
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,7 +35,7 @@ class Falloff(StrEnum):
     ALCHEMY = "alchemy"
 
 
-def weight(falloff: Falloff | str, share: ArrayLike) -> NDArray[np.floating]:
+def weight(falloff: Falloff | str, share: ArrayLike) -> NDArray[Any]:
     """rho of distances as shares of the radius (any shape, >= 0; inf for no hit), in 0..1, of the same float type."""
     x = np.asarray(share)
     if x.dtype.kind != "f":
@@ -49,4 +50,4 @@ def weight(falloff: Falloff | str, share: ArrayLike) -> NDArray[np.floating]:
             rho = 1 - np.sqrt(near)
         case Falloff.ALCHEMY:
             rho = CORNER * near / np.maximum(CORNER, near) ** 2
-    return np.where(x < 1, rho, x.dtype.type(0))
+    return np.asarray(np.where(x < 1, rho, x.dtype.type(0)))

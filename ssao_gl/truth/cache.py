@@ -45,14 +45,14 @@ def content_key(scene: Scene, camera: Camera, size: Size, tracing: Tracing) -> s
     """Hash of the triangles and where they are, the camera's matrices, the size and the settings; not of names or colours."""
     digest = hashlib.sha256(json.dumps([VERSION, size, as_table(tracing)], sort_keys=True).encode())
     for matrix in (camera.lens.matrix(size), camera.pose):
-        digest.update(np.ascontiguousarray(matrix, np.float64))
+        digest.update(np.ascontiguousarray(matrix, np.float64).data)
     for draw in scene.draws:
         normals = draw.normals if tracing.normals == "shading" else None
         for array in (draw.positions, draw.triangles, draw.transforms, normals):
             # Shapes too: two arrays must not pass for another two of the same bytes in a row.
             digest.update(repr(None if array is None else array.shape).encode())
             if array is not None:
-                digest.update(np.ascontiguousarray(array))
+                digest.update(np.ascontiguousarray(array).data)
     return digest.hexdigest()[:32]
 
 

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ..errors import SettingsError
 
-F32, F64 = NDArray[np.float32], NDArray[np.float64]
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
 
 
 @lru_cache(maxsize=64)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,9 @@ from numpy.typing import NDArray
 from ..errors import SceneError, SettingsError
 from ..scene import Draw, Scene
 
-F32, F64, I32 = NDArray[np.float32], NDArray[np.float64], NDArray[np.int32]
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+I32 = NDArray[np.int32]
 
 CHUNK = 1 << 18
 """Vertices transformed at a time."""
@@ -131,11 +132,6 @@ def _memory() -> float:
 def threads() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def blocks(count: int, length: int) -> Iterator[slice]:
-    """Slices of ``length`` that cover ``count`` items."""
-    return (slice(start, min(start + length, count)) for start in range(0, count, length))
 
 
 def _embreex() -> Any:

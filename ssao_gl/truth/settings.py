@@ -12,7 +12,7 @@ from ..settings import setting, validate
 NORMALS = ("geometric", "shading")
 SPP, MOST_SPP = 1024, 1 << 16
 ROUND = 64
-"""Rays per pixel between two looks at the standard error."""
+"""Rays per pixel in a batch when ``max_stderr`` decides how many there are."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,9 +23,18 @@ class Tracing:
 
     radius: float | None = setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
     falloff: str = setting(Falloff.HARD.value, "how a blocker counts with distance", choices=tuple(f.value for f in Falloff))
-    normals: str = setting("geometric", "hemisphere about the triangle's own or the interpolated vertex normal", choices=NORMALS)
-    spp: int | None = setting(None, f"rays a pixel, rounded up to whole batches; none: {SPP}, or {MOST_SPP} at most with max_stderr", low=1, high=1 << 24)
-    max_stderr: float | None = setting(None, "stop when the pixels' standard errors are below this in the mean square", above=0, high=0.5)
+    normals: str = setting(
+        "geometric", "hemisphere about the triangle's own or the interpolated vertex normal", choices=NORMALS
+    )
+    spp: int | None = setting(
+        None,
+        f"rays a pixel, rounded up to whole batches; none: {SPP}, or {MOST_SPP} at most with max_stderr",
+        low=1,
+        high=1 << 24,
+    )
+    max_stderr: float | None = setting(
+        None, "stop when the pixels' standard errors are below this in the mean square", above=0, high=0.5
+    )
     seed: int = setting(0, "of the directions", low=0, high=2**31 - 1)
 
     def __post_init__(self) -> None:
@@ -44,8 +53,7 @@ class Tracing:
         number is not known beforehand, and all have ``ROUND`` rays.
         """
         if self.max_stderr is not None:
-            length = min(ROUND, 1 << (max((self.spp or MOST_SPP) // 2, 1).bit_length() - 1))
-            return length, -(-(self.spp or MOST_SPP) // length)
+            return ROUND, -(-(self.spp or MOST_SPP) // ROUND)
         spp = self.spp or SPP
         most = max(spp // min(max(spp // 8, 2), 8), 1)
         length = 1 << (most.bit_length() - 1)

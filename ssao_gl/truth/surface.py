@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from ..camera import Camera, Size, View
 from ..scene import Scene
-from .rays import DIAMETER, F32, F64, OFFSET, RayScene, blocks
+from .rays import DIAMETER, F32, F64, OFFSET, RayScene
+from .sums import blocks
 
 CHUNK = 1 << 16
 """Pixels a step."""
