@@ -4,7 +4,8 @@
 #include "lib/normal.glsl"
 uniform sampler2D u_z;
 
-float ssao_z(vec2 uv) { return SAMPLE(u_z, uv).r; }
+// Outside the image there is nothing.
+float ssao_z(vec2 uv) { return uv == clamp(uv, vec2(0.0), vec2(1.0)) ? SAMPLE(u_z, uv).r : 0.0; }
 
 // Window depth is affine over the image on a plane: 1/z for a pinhole, z itself for a parallel projection.
 float ssao_affine(float z) { return u_w.x > 0.0 ? 1.0 / z : z; }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -118,6 +119,7 @@ class Kit:
 
     def release(self) -> None:
         """Free every GL object of this kit."""
+        self.ctx.functions("glUseProgram", None, ctypes.c_uint)(0)  # a program in use would outlive its deletion
         for vao in self._triangles.values():
             vao.release()
         for program in self._programs.values():

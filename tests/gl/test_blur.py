@@ -1,0 +1,116 @@
+"""The filters against their formulas in numpy, and what they must never do."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import ssao_gl as ao
+from ssao_gl.passes.blur import BLURS, gaussian, matched
+from ssao_gl.scene import Scene
+
+from ..shapes import camera, quad
+
+SIZE = (160, 120)
+
+
+def both(renderer: ao.Renderer, scene: Scene, cam: ao.Camera, blur: object) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Raw and filtered visibility, and depth."""
+    method = ao.Alchemy(radius=0.7, samples=4)
+    raw, filtered = (
+        renderer.render(scene, cam, SIZE, ao.Settings(method=method, blur=b), aovs=("visibility", "depth"), checked=True)  # type: ignore[arg-type]
+        for b in (None, blur)
+    )
+    return raw.visibility, filtered.visibility, raw.depth
+
+
+def bilateral(v: np.ndarray, depth: np.ndarray, blur: ao.LectureBlur) -> np.ndarray:
+    """The lecture's formula in float64, background left out."""
+    h, w = v.shape
+    total, norm = np.zeros_like(v, np.float64), np.zeros_like(v, np.float64)
+    g = gaussian(blur.radius, blur.sigma_space).astype(np.float64)
+    for dy in range(-blur.radius, blur.radius + 1):
+        for dx in range(-blur.radius, blur.radius + 1):
+            y, x = np.clip(np.arange(h) + dy, 0, h - 1), np.clip(np.arange(w) + dx, 0, w - 1)
+            q, z = v[y][:, x], depth[y][:, x]
+            weight = g[abs(dx)] * g[abs(dy)] * np.exp(-0.5 * ((q - v) / blur.sigma_range) ** 2) * (z > 0)
+            total += weight * q
+            norm += weight
+    return np.where(depth > 0, total / np.maximum(norm, 1e-12), 1.0)
+
+
+def test_the_lecture_filter_is_its_formula(renderer: ao.Renderer, embedded: Scene) -> None:
+    blur = ao.LectureBlur(radius=3)
+    raw, filtered, depth = both(renderer, embedded, embedded.cameras[0], blur)
+    expected = bilateral(np.round(raw * 255) / 255, depth, blur)
+    assert np.abs(filtered - expected).max() <= 1.01 / 255
+
+
+def test_separable_is_close_to_the_full_filter(renderer: ao.Renderer, embedded: Scene) -> None:
+    _, full, _ = both(renderer, embedded, embedded.cameras[0], ao.LectureBlur(radius=3))
+    _, separable, _ = both(renderer, embedded, embedded.cameras[0], ao.Separable(radius=3))
+    assert np.abs(full - separable).mean() < 4 / 255
+
+
+@pytest.mark.parametrize("kind", BLURS)
+def test_background_never_mixes_in(renderer: ao.Renderer, kind: str) -> None:
+    """A dark slot before open sky stays as dark at its rim as the raw values around it are."""
+    raw, filtered, depth = both(renderer, CROSS, camera(), BLURS[kind]())
+    sky = depth == 0
+    assert 0.2 < sky.mean() < 0.9 and (filtered[sky] == 1).all()
+    high, low = neighbourhood(raw, depth, BLURS[kind]().radius)
+    seen = ~sky
+    assert (filtered[seen] <= high[seen] + 2.01 / 255).all() and (filtered[seen] >= low[seen] - 2.01 / 255).all()
+
+
+def neighbourhood(v: np.ndarray, depth: np.ndarray, radius: int) -> tuple[np.ndarray, np.ndarray]:
+    """Largest and smallest value of the surface pixels in the window of the filter."""
+    h, w = v.shape
+    high, low = np.zeros_like(v), np.ones_like(v)
+    for dy in range(-radius, radius + 1):
+        for dx in range(-radius, radius + 1):
+            y, x = np.clip(np.arange(h) + dy, 0, h - 1), np.clip(np.arange(w) + dx, 0, w - 1)
+            q, seen = v[y][:, x], depth[y][:, x] > 0
+            high, low = np.where(seen, np.maximum(high, q), high), np.where(seen, np.minimum(low, q), low)
+    return high, low
+
+
+CROSS = Scene([
+    quad((0, 0, -5), (1.8, 0, 0), (0, 1.2, 0)),
+    quad((0, 0, -4.7), (0.4, 0, 0.4), (0, 1.2, 0)),
+    quad((0, 1.2, -4.8), (1.8, 0, 0), (0, 0, 0.3)),
+])  # fmt: skip
+
+
+def test_joint_keeps_an_edge_in_depth(renderer: ao.Renderer) -> None:
+    """A dark corner behind, an open card in front: the card stays open up to its edge."""
+    card = quad((0.6, 0, -3), (0.6, 0, 0), (0, 3, 0))
+    room = [quad((0, 0, -6), (6, 0, 0), (0, 6, 0)), quad((0.0, 0, -5), (0, 0, 1), (0, 6, 0))]
+    raw, filtered, depth = both(renderer, Scene([*room, card]), camera(), ao.Joint())
+    front = (depth > 0) & (depth < 3.5)
+    assert front.sum() > 100
+    assert np.abs(filtered[front] - raw[front].mean()).max() <= np.abs(raw[front] - raw[front].mean()).max() + 1.01 / 255
+    assert filtered[front].min() >= raw[front].min() - 1.01 / 255
+
+
+def test_joint_removes_the_noise_of_its_tile(renderer: ao.Renderer) -> None:
+    """Along the corner of two walls nothing changes, so what does is noise: below half a code after the filter."""
+    from ..shapes import corner
+
+    raw, filtered, _ = both(renderer, corner(), ao.Camera.orthographic(3.0, 0, 40.0), ao.Joint())
+    assert raw[36:84].std(0).max() > 4 / 255
+    assert filtered[36:84].std(0).max() < 0.75 / 255
+
+
+def test_weights() -> None:
+    np.testing.assert_allclose(gaussian(2, 1.0), [1, np.exp(-0.5), np.exp(-2)], rtol=1e-6)
+    tile = np.zeros(4)
+    for offset, weight in zip(range(-2, 3), np.concatenate([matched(2)[:0:-1], matched(2)]), strict=True):
+        tile[offset % 4] += weight
+    np.testing.assert_allclose(tile, 1)
+
+
+def test_radius_1_and_wide_filters_compile(renderer: ao.Renderer, embedded: Scene) -> None:
+    for blur in (ao.Joint(radius=1), ao.Joint(radius=16, sigma=5), ao.Separable(radius=32), ao.LectureBlur(radius=8)):
+        _, filtered, _ = both(renderer, embedded, embedded.cameras[0], blur)
+        assert np.isfinite(filtered).all()
