@@ -74,27 +74,43 @@ def psnr(a: Array, b: Array) -> float:
     return float("inf") if error == 0 else float(-20 * np.log10(error))
 
 
-def ssim(a: Array, b: Array) -> float:
-    """Structural similarity (Wang et al. 2004) as scikit-image computes it, data range 1."""
+def ssim(a: Array, b: Array, where: Array | None = None) -> float:
+    """Structural similarity (Wang et al. 2004) as scikit-image computes it, data range 1.
+
+    Its mean over the pixels ``where`` (h, w) bool, else over all whose window lies inside the picture.
+    """
     try:
-        from skimage.metrics import structural_similarity
+        import skimage.metrics
     except ImportError:
         raise SettingsError("ssim needs the package scikit-image: pip install 'ssao_gl[metrics]'") from None
     side = min(a.shape[:2])
     if side < 3:
         raise FormatError(f"ssim needs at least 3x3 pixels, got {a.shape[1]}x{a.shape[0]}")
     window = min(7, side - (side + 1) % 2)
-    return float(structural_similarity(a, b, data_range=1.0, win_size=window, channel_axis=-1 if a.ndim == 3 else None))
+    similarity: Callable[..., tuple[float, Array]] = skimage.metrics.structural_similarity
+    mean, found = similarity(
+        a, b, data_range=1.0, win_size=window, channel_axis=-1 if a.ndim == 3 else None, full=True
+    )
+    return float(mean if where is None else _mean(found, where))
 
 
-def flip(a: Array, b: Array) -> float:
-    """Mean of NVIDIA's FLIP error (Andersson et al. 2020) at its default viewing distance, for sRGB pictures."""
+def flip(a: Array, b: Array, where: Array | None = None) -> float:
+    """Mean of NVIDIA's FLIP error (Andersson et al. 2020) at its default viewing distance, for sRGB pictures.
+
+    Over the pixels ``where`` (h, w) bool, else over all.
+    """
     try:
         import flip_evaluator
     except ImportError:
         raise SettingsError("flip needs the package flip-evaluator: pip install 'ssao_gl[metrics]'") from None
     pair = [np.ascontiguousarray(_rgb(x), np.float32) for x in (b, a)]
-    return float(flip_evaluator.evaluate(pair[0], pair[1], "LDR")[1])
+    found, mean, _ = flip_evaluator.evaluate(pair[0], pair[1], "LDR", applyMagma=False)
+    return float(mean if where is None else _mean(np.asarray(found), where))
+
+
+def _mean(values: Array, where: Array) -> float:
+    """Mean over some pixels of (h, w) or (h, w, c); nan when there are none."""
+    return float(values[where].mean()) if where.any() else float("nan")
 
 
 def difference_picture(actual: Any, expected: Any, gain: float = 16.0) -> NDArray[np.uint8]:
