@@ -32,7 +32,9 @@ def as_scene(source: Any) -> Scene:
         from .adapters.meshes import from_trimesh
 
         return from_trimesh(source)
-    raise SceneError(f"cannot draw a {type(source).__name__}; expected a path, Scene, trimesh.Trimesh, trimesh.Scene or pyrender.Scene")
+    raise SceneError(
+        f"cannot draw a {type(source).__name__}; expected a path, Scene, trimesh.Trimesh, trimesh.Scene or pyrender.Scene"
+    )
 
 
 def as_camera(source: Any) -> Camera:
@@ -122,9 +124,7 @@ def occlusion(
     provider: str | Context = "auto",
 ) -> NDArray[np.float32]:
     """Visibility (h, w) float32 in 0..1 of a depth image (h, w): 1 = open, background exactly 1. See :func:`apply`."""
-    picture = apply(
-        None, depth, camera, normals=normals, depth_kind=depth_kind, method=method, blur=blur, provider=provider
-    )
+    picture = apply(None, depth, camera, normals=normals, depth_kind=depth_kind, method=method, blur=blur, provider=provider)
     return picture.arrays["visibility"]
 
 

@@ -8,6 +8,7 @@ units; 0 means background. Texture coordinates ``uv`` run from (0, 0) at the low
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any, Literal, Protocol
@@ -24,7 +25,7 @@ Size = tuple[int, int]
 ClipRange = Literal["-1..1", "0..1"]
 
 
-class Lens(Protocol):
+class Lens(Hashable, Protocol):
     """Anything that gives a projection matrix for an image size."""
 
     def matrix(self, size: Size) -> Matrix:
@@ -168,9 +169,7 @@ class Camera:
         _matrix4(self.pose, "pose")
 
     @classmethod
-    def perspective(
-        cls, yfov: float, znear: float = 0.01, zfar: float | None = None, pose: ArrayLike | None = None
-    ) -> Camera:
+    def perspective(cls, yfov: float, znear: float = 0.01, zfar: float | None = None, pose: ArrayLike | None = None) -> Camera:
         """A symmetric perspective camera; ``yfov`` in radians, ``zfar=None`` for an infinite far plane."""
         return cls(Perspective(yfov, znear, zfar), _pose(pose))
 
@@ -329,7 +328,7 @@ class View:
         uv = np.stack([u, v], -1)
 
         def affine(matrix: str, offset: str) -> NDArray[np.float64]:
-            return uv @ np.reshape(c[matrix], (2, 2)) + np.asarray(c[offset])
+            return np.asarray(uv @ np.reshape(c[matrix], (2, 2)) + np.asarray(c[offset]))
 
         xy = affine("u_ray", "u_ray0") * z[..., None] + affine("u_org", "u_org0")
         return np.concatenate([xy, -z[..., None].astype(np.float64)], -1)

@@ -27,7 +27,11 @@ class Difference:
     metrics: Mapping[str, float]
 
     def describe(self) -> str:
-        parts = [f"max {self.max_abs:.4g}", f"mean {self.mean_abs:.4g}", f"{100 * self.share_above_1:.3g} % of pixels off by more than 1/255"]
+        parts = [
+            f"max {self.max_abs:.4g}",
+            f"mean {self.mean_abs:.4g}",
+            f"{100 * self.share_above_1:.3g} % of pixels off by more than 1/255",
+        ]
         return ", ".join(parts + [f"{name} {value:.5g}" for name, value in self.metrics.items()])
 
 
@@ -88,9 +92,7 @@ def ssim(a: Array, b: Array, where: Array | None = None) -> float:
         raise FormatError(f"ssim needs at least 3x3 pixels, got {a.shape[1]}x{a.shape[0]}")
     window = min(7, side - (side + 1) % 2)
     similarity: Callable[..., tuple[float, Array]] = skimage.metrics.structural_similarity
-    mean, found = similarity(
-        a, b, data_range=1.0, win_size=window, channel_axis=-1 if a.ndim == 3 else None, full=True
-    )
+    mean, found = similarity(a, b, data_range=1.0, win_size=window, channel_axis=-1 if a.ndim == 3 else None, full=True)
     return float(mean if where is None else _mean(found, where))
 
 

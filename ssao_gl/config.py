@@ -62,7 +62,9 @@ def settings_from(
         if isinstance(value, Mapping):
             put(key, value)
         elif key not in ("method", "blur"):
-            raise SettingsError(f"unknown setting '{key}'; groups are tables, like [{name}].{near_miss(key, ['method', 'blur'])}")
+            raise SettingsError(
+                f"unknown setting '{key}'; groups are tables, like [{name}].{near_miss(key, ['method', 'blur'])}"
+            )
     for text in assignments:
         key, equals, value = text.partition("=")
         if not equals:

@@ -25,7 +25,9 @@ def default_scene() -> Scene:
         _draw(box(), WALL, [place((3.2, 1.7, 0.1), (0, 1.5, -3.1)), place((0.1, 1.7, 3.0), (-3.1, 1.5, -0.2))], "walls"),
         _draw(box(), WALL, steps, "steps"),
         _draw(box(), CLAY, [place((0.55, 0.55, 0.55), (-1.7, 0.55, -1.6), 0.5)], "box"),
-        _draw(box(), WOOD, [place((1.2, 0.05, 0.09), (-1.6, 1.65, 1.55)), place((1.2, 0.03, 0.05), (-1.6, 0.85, 1.55))], "rails"),
+        _draw(
+            box(), WOOD, [place((1.2, 0.05, 0.09), (-1.6, 1.65, 1.55)), place((1.2, 0.03, 0.05), (-1.6, 0.85, 1.55))], "rails"
+        ),
         _draw(post, WOOD, posts, "posts"),
         _draw(ball, BLUE, [place((0.62,) * 3, (-0.1, 0.62, -1.1)), place((0.3,) * 3, (0.75, 0.3, -0.35))], "balls"),
         _draw(ball, CLAY, [place((0.22,) * 3, (-1.55, 1.32, -1.6))], "small ball"),
@@ -41,9 +43,7 @@ def _draw(mesh: Mesh, color: tuple[float, float, float], transforms: list[NDArra
     return Draw(*mesh, color=color, transforms=np.stack(transforms), name=name)
 
 
-def place(
-    scale: tuple[float, float, float], at: tuple[float, float, float], turn: float = 0.0
-) -> NDArray[np.float64]:
+def place(scale: tuple[float, float, float], at: tuple[float, float, float], turn: float = 0.0) -> NDArray[np.float64]:
     """A transform (4, 4): scale, turn about y (radians), move."""
     matrix = np.diag([*scale, 1.0])
     c, s = math.cos(turn), math.sin(turn)

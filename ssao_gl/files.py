@@ -11,6 +11,23 @@ from pathlib import Path
 from .errors import FormatError
 
 
+def unreadable(path: Path) -> str | None:
+    """Why ``path`` cannot be read as a file, in words, or None. Devices and pipes are refused: they may never end."""
+    try:
+        if not path.exists():
+            return "no such file"
+        if path.is_dir():
+            return "is a folder"
+        if not path.is_file():
+            return "is not a regular file"
+        with path.open("rb") as file:
+            return None if file.read(1) else "the file is empty"
+    except OSError as error:
+        return error.strerror or str(error)
+    except ValueError as error:  # a null byte in the name
+        return str(error)
+
+
 @contextmanager
 def written(path: Path) -> Iterator[Path]:
     """A temporary path to write to, moved to ``path`` when the block ends well and removed when it does not.

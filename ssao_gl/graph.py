@@ -182,9 +182,7 @@ def _writers(passes: Iterable[Pass], inputs: Collection[str]) -> dict[str, Pass]
     return writer
 
 
-def _walk(
-    passes: Sequence[Pass], writer: Mapping[str, Pass], outputs: Iterable[str], inputs: Collection[str]
-) -> list[Pass]:
+def _walk(passes: Sequence[Pass], writer: Mapping[str, Pass], outputs: Iterable[str], inputs: Collection[str]) -> list[Pass]:
     """Depth first from the outputs; a pass is listed after everything it reads."""
     order: list[Pass] = []
     open_passes: list[str] = []

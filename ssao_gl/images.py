@@ -6,7 +6,8 @@ Arrays are (h, w) or (h, w, c) with row 0 on top; OpenGL's have row 0 at the bot
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import FormatError
-from .files import written
+from .files import unreadable, written
 
 SUFFIXES = (".png", ".npy", ".exr")
 MAX_PIXELS = 1 << 30
 """Larger pictures are refused on reading: a few bytes of a hostile file can claim any size."""
+
+PICTURES = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF", "PPM", "TGA")
+"""Pillow's formats that are read. Some of the others start programs (Ghostscript for EPS)."""
 
 
 def flipped(array: NDArray[Any]) -> NDArray[Any]:
@@ -27,9 +31,9 @@ def flipped(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def to_bytes(values: NDArray[Any], bits: int = 8) -> NDArray[Any]:
-    """Values in 0..1 to unsigned integers of 8 or 16 bits, rounded."""
+    """Values in 0..1 to unsigned integers of 8 or 16 bits, rounded; NaN gives 0."""
     top = 255 if bits == 8 else 65535
-    return np.round(np.clip(values, 0, 1) * top).astype(np.uint8 if bits == 8 else np.uint16)
+    return np.round(np.clip(np.nan_to_num(values), 0, 1) * top).astype(np.uint8 if bits == 8 else np.uint16)
 
 
 def save(path: Path | str, array: NDArray[Any], *, texts: Mapping[str, str] | None = None) -> None:
@@ -90,12 +94,12 @@ def _save_exr(path: Path, array: NDArray[Any], texts: Mapping[str, str]) -> None
 def load(path: Path | str) -> NDArray[Any]:
     """Read a picture or array: PNG and what else Pillow reads (uint8 or uint16), NPY, EXR (float32). Raises FormatError."""
     path = Path(path)
-    if not path.is_file():
-        raise FormatError(f"{path}: no such file")
+    if reason := unreadable(path):
+        raise FormatError(f"{path}: {reason}; expected a picture or array")
     suffix = path.suffix.lower()
     try:
         if suffix == ".npy":
-            array = np.load(path, allow_pickle=False)
+            array = _load_npy(path)
         elif suffix == ".exr":
             array = _load_exr(path)
         else:
@@ -109,18 +113,36 @@ def load(path: Path | str) -> NDArray[Any]:
     return array
 
 
+def _load_npy(path: Path) -> NDArray[Any]:
+    # Mapped, so that a header which claims more than the file holds fails before memory is taken.
+    mapped = np.load(path, mmap_mode="r", allow_pickle=False)
+    if not isinstance(mapped, np.ndarray):
+        raise FormatError(f"{path}: is an archive of arrays (NPZ); expected one array (NPY)")
+    return np.array(mapped)
+
+
 def _load_picture(path: Path) -> NDArray[Any]:
     from PIL import Image
 
-    Image.MAX_IMAGE_PIXELS = MAX_PIXELS
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), _pillow_limit(), Image.open(path, formats=PICTURES) as image:
         warnings.simplefilter("error", Image.DecompressionBombWarning)
-        with Image.open(path) as image:
-            if image.mode in ("I", "I;16", "I;16B", "I;16L"):
-                return np.asarray(image).astype(np.uint16)
-            if image.mode not in ("L", "RGB", "RGBA", "F"):
-                image = image.convert("RGBA" if "A" in image.mode or "transparency" in image.info else "RGB")  # type: ignore[assignment]
-            return np.asarray(image)
+        if image.mode in ("I", "I;16", "I;16B", "I;16L"):
+            return np.asarray(image).astype(np.uint16)
+        if image.mode not in ("L", "RGB", "RGBA", "F"):
+            image = image.convert("RGBA" if "A" in image.mode or "transparency" in image.info else "RGB")  # type: ignore[assignment]
+        return np.asarray(image)
+
+
+@contextmanager
+def _pillow_limit() -> Iterator[None]:
+    """Pillow's own limit is a global of that package, which belongs to the caller."""
+    from PIL import Image
+
+    before, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, MAX_PIXELS
+    try:
+        yield
+    finally:
+        Image.MAX_IMAGE_PIXELS = before
 
 
 def _load_exr(path: Path) -> NDArray[Any]:

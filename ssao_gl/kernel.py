@@ -17,9 +17,7 @@ class Kernel:
     """Points of the unit disk, of equal weight."""
 
     count: int = setting(16, "points", low=1, high=256)
-    distribution: str = setting(
-        "spiral", "how the points lie in the disk", choices=("spiral", "hammersley", "uniform")
-    )
+    distribution: str = setting("spiral", "how the points lie in the disk", choices=("spiral", "hammersley", "uniform"))
     seed: int = setting(0, "of the uniform distribution", low=0, high=2**31 - 1)
 
     def __post_init__(self) -> None:

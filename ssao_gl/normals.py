@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 CHUNK = 1 << 18
 """Triangles a step: temporaries stay small beside the mesh itself."""
 
-F32, U32 = NDArray[np.float32], NDArray[np.uint32]
+F32 = NDArray[np.float32]
+U32 = NDArray[np.uint32]
 
 
 def crease_normals(positions: F32, triangles: U32, crease: float) -> tuple[F32, U32, F32, NDArray[np.int64]]:

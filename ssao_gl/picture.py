@@ -33,7 +33,7 @@ class Picture:
 
         arrays = self.__dict__.get("arrays", {})
         if name in arrays:
-            return arrays[name]
+            return np.asarray(arrays[name])
         if name in AOVS:
             raise AttributeError(f"this picture has no '{name}'; ask for it: aovs=({', '.join(map(repr, [*arrays, name]))})")
         raise AttributeError(name)

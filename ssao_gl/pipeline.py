@@ -20,7 +20,13 @@ from .settings import setting, validate
 AOVS = ("image", "visibility", "depth", "normal", "color")
 """What a picture can hold: shaded image, visibility, linear depth, view-space normals, base colour."""
 
-RESOURCES: Mapping[str, str] = {"image": "image", "visibility": "visibility", "depth": "z", "normal": "normal", "color": "color"}
+RESOURCES: Mapping[str, str] = {
+    "image": "image",
+    "visibility": "visibility",
+    "depth": "z",
+    "normal": "normal",
+    "color": "color",
+}
 """AOV -> resource of the graph."""
 
 WINDOW_DEPTH, EYE_DEPTH = "window", "eye"

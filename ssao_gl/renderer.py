@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any
 
@@ -59,6 +59,37 @@ class Renderer:
         ``aovs``: any of image, visibility, depth, normal, color. ``timed`` draws that many frames
         more and reports the median milliseconds of each pass.
         """
+        settings, frame, view = self._ready(scene, camera, size, settings, aovs)
+        started = time.perf_counter()
+        frame.run(view, context=self._scene, checked=checked)
+        arrays = {name: _aov(frame, name) for name in aovs}
+        report = self._report(settings, size, frame, time.perf_counter() - started)
+        report |= measure(frame, timed, view, context=self._scene)
+        used = self._scene.camera if self._scene else None
+        return Picture(
+            arrays,
+            report | {"camera": (used.name if used else "") or "unnamed", "scene": scene.name, "triangles": scene.triangles},
+        )
+
+    def time(
+        self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
+    ) -> list[PassTime]:
+        """Draw one frame with every pass timed, and read nothing back."""
+        _, frame, view = self._ready(scene, camera, size, settings, aovs)
+        frame.run(view, context=self._scene, timed=True)
+        return frame.times
+
+    def frame(
+        self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
+    ) -> Callable[[], object]:
+        """A function that draws the frame again and waits for nothing: what a loop of one's own would call."""
+        _, frame, view = self._ready(scene, camera, size, settings, aovs)
+        return lambda: frame.run(view, context=self._scene)
+
+    def _ready(
+        self, scene: Scene, camera: Camera | None, size: Size, settings: Settings | None, aovs: Sequence[str]
+    ) -> tuple[Settings, Frame, View]:
+        """Everything on the GPU for a frame: the scene, its camera, the plan's textures."""
         check_size(size)
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
         settings = (settings or Settings()).with_radius(camera.ao_radius or scene.default_radius())
@@ -68,13 +99,8 @@ class Renderer:
             self._scene = None
             self._scene = SceneOnGpu(self._kit, scene)
         self._scene.camera = camera
-        frame = self._plan(("render", settings, size, tuple(aovs)), lambda: plan_render(settings, size, aovs))
-        started = time.perf_counter()
-        frame.run(camera.view(size), context=self._scene, checked=checked)
-        arrays = {name: _aov(frame, name) for name in aovs}
-        report = self._report(settings, size, frame, time.perf_counter() - started)
-        report |= measure(frame, timed, camera.view(size), context=self._scene)
-        return Picture(arrays, report | {"camera": camera.name or "unnamed", "scene": scene.name, "triangles": scene.triangles})
+        key = ("render", settings, size, tuple(aovs))
+        return settings, self._plan(key, lambda: plan_render(settings, size, aovs)), camera.view(size)
 
     def apply(
         self,
@@ -158,9 +184,7 @@ class Renderer:
     def __enter__(self) -> Renderer:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.release()
 
 
@@ -206,7 +230,9 @@ def check_arrays(
     if normals is not None:
         normals = np.asarray(normals)
         if normals.dtype.kind != "f" or normals.shape != (*depth.shape, 3):
-            raise FormatError(f"normals are {normals.dtype} of shape {normals.shape}; expected floats of shape {(*depth.shape, 3)}, view space")
+            raise FormatError(
+                f"normals are {normals.dtype} of shape {normals.shape}; expected floats of shape {(*depth.shape, 3)}, view space"
+            )
         with np.errstate(over="ignore"):
             normals = normals.astype(np.float32)
     return depth, color, normals

@@ -43,7 +43,9 @@ class Draw:
         if len(t) and int(t.max()) >= len(p):
             raise SceneError(f"{where}: a triangle names vertex {int(t.max())}, but there are only {len(p)}")
         if not np.isfinite(p).all():
-            raise SceneError(f"{where}: {int((~np.isfinite(p)).any(1).sum())} vertices are not finite numbers (NaN or infinity)")
+            raise SceneError(
+                f"{where}: {int((~np.isfinite(p)).any(1).sum())} vertices are not finite numbers (NaN or infinity)"
+            )
         for what, array, width in (("normals", self.normals, 3), ("vertex_colors", self.vertex_colors, 4)):
             if array is not None and array.shape != (len(p), width):
                 raise SceneError(f"{where}: {what} must be ({len(p)}, {width}), got {array.shape}")

@@ -95,9 +95,7 @@ def assign(record: Record, values: Mapping[str, Any]) -> Record:
     for name, value in values.items():
         if name not in fields:
             known = ", ".join(fields) or "none"
-            raise SettingsError(
-                f"{title(record)} has no setting '{name}'; it has: {known}.{near_miss(name, fields)}"
-            )
+            raise SettingsError(f"{title(record)} has no setting '{name}'; it has: {known}.{near_miss(name, fields)}")
         optional, kind = _kind(hints[name])
         changes[name] = _convert(f"{title(record)}.{name}", value, kind, optional)
     return dataclasses.replace(record, **changes)  # type: ignore[type-var]

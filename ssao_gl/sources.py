@@ -28,7 +28,7 @@ def root() -> Path:
     """The folder of the shaders: beside the package in a checkout, inside it when installed; SSAO_GL_SHADERS overrides."""
     here = Path(__file__).resolve().parent
     chosen = os.environ.get("SSAO_GL_SHADERS")
-    for folder in ([Path(chosen)] if chosen else [here / "shaders", here.parent / "shaders"]):
+    for folder in [Path(chosen)] if chosen else [here / "shaders", here.parent / "shaders"]:
         if (folder / "fullscreen.vert").is_file():
             return folder
     raise ShaderError(f"the shader files are missing (looked in {chosen or here / 'shaders'}); reinstall ssao_gl")

@@ -29,6 +29,8 @@ _COMMANDS = {
     "methods": "ssao_gl.cli.explain:methods",
     "shader": "ssao_gl.cli.shader:shader",
     "doctor": "ssao_gl.cli.doctor:doctor",
+    "truth": "ssao_gl.cli.truth:truth",
+    "bench": "ssao_gl.cli.bench:bench",
 }
 for _name, _target in _COMMANDS.items():
     app.command(_target, name=_name, help_epilogue=settings_help() if _name in ("render", "apply", "explain") else None)
@@ -44,11 +46,15 @@ def _embedded() -> int:
 @app.meta.default
 def _launch(
     *tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)],
-    verbose: Annotated[bool, Parameter(name=["--verbose", "-v"], negative="", help="Log more; show tracebacks of errors.")] = False,
+    verbose: Annotated[
+        bool, Parameter(name=["--verbose", "-v"], negative="", help="Log more; show tracebacks of errors.")
+    ] = False,
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="", help="Print errors only.")] = False,
 ) -> int:
     """Global options, before or after the command."""
-    logging.basicConfig(level=logging.DEBUG if verbose else logging.ERROR if quiet else logging.WARNING, format="ssao-gl: %(message)s")
+    logging.basicConfig(
+        level=logging.DEBUG if verbose else logging.ERROR if quiet else logging.WARNING, format="ssao-gl: %(message)s"
+    )
     for noisy in ("trimesh", "PIL"):
         logging.getLogger(noisy).setLevel(logging.INFO if verbose else logging.CRITICAL)
     from . import output

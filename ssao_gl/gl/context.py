@@ -12,6 +12,7 @@ import moderngl
 
 from ..errors import ContextError
 from .loader import Functions, GetProc, Loader
+from .state import GlState
 
 Api = Literal["es", "gl"]
 
@@ -111,7 +112,12 @@ def attach(
     if version < (300 if found == "es" else 330):
         raise ContextError(f"'{text}' is too old: OpenGL ES 3.0 or OpenGL 3.3 is needed")
     loader = Loader(functions, es=found == "es", version=version)
-    mgl = moderngl.create_context(require=300, context=loader)
+    # Making moderngl's context changes blending, primitive restart and bindings, which may be the caller's.
+    state = GlState(functions, es=found == "es", version=version)
+    before, made = state.snapshot(), state.made_by_moderngl()
+    mgl = moderngl.create_context(require=300, context=loader)  # type: ignore[arg-type]
+    state.restore(before)
+    state.restore_made_by_moderngl(made)
     context = Context(provider, platform, found, mgl, functions, loader, make_current, close)
     if found == "es":
         _need_float_targets(context)

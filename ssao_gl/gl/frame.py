@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import moderngl
 import numpy as np
@@ -19,13 +19,19 @@ from .context import Context
 from .kit import FORMATS, Kit
 
 
+class Target(Protocol):
+    """What a pass draws into: a framebuffer of the frame, or one of the caller's."""
+
+    def use(self) -> None: ...
+
+
 @dataclass(slots=True)
 class Stage:
     """What a pass sees when it draws."""
 
     kit: Kit
     step: Step
-    target: moderngl.Framebuffer
+    target: Target
     textures: dict[str, moderngl.Texture]
     view: View
     context: Any = None
@@ -73,6 +79,8 @@ class PassTime:
     name: str
     ms: float
     clock: str
+    cpu_ms: float
+    """Of all threads of this process: on a software renderer the work itself, whatever else the machine does."""
 
 
 class Frame:
@@ -93,6 +101,7 @@ class Frame:
             raise ContextError(f"{ctx.renderer} cannot make the targets of {plan.frame[0]}x{plan.frame[1]}: {error}") from None
         self._textures = {name: self._slots[slot] for name, slot in plan.where.items()}
         self.times: list[PassTime] = []
+        self._timer: Timer | None = None
 
     def _make(self, format_: str, size: tuple[int, int]) -> Any:
         mgl = self.kit.ctx.mgl
@@ -118,25 +127,29 @@ class Frame:
         inputs: Mapping[str, moderngl.Texture] | None = None,
         *,
         context: Any = None,
-        targets: Mapping[str, moderngl.Framebuffer] | None = None,
+        targets: Mapping[str, Target] | None = None,
         timed: bool = False,
         checked: bool = False,
     ) -> dict[str, moderngl.Texture]:
         """Draw every step and return the output textures by name.
 
-        ``targets`` draws an output into a framebuffer of the caller's instead. ``timed`` fills ``times``; ``checked``
+        ``targets`` draws an output once more, into a framebuffer of the caller's. ``timed`` fills ``times``; ``checked``
         asks OpenGL for errors after each pass and raises ContextError naming it.
         """
         textures = {**self._textures, **(inputs or {})}
         stage = Stage(self.kit, self.plan.steps[0], self._targets[0], textures, view, context)
-        timer = Timer(self.kit.ctx) if timed else None
+        timer = None
+        if timed:
+            timer = self._timer = self._timer or Timer(self.kit.ctx)
+            timer.restart()
         for step, target in zip(self.plan.steps, self._targets, strict=True):
             stage.step, stage.target = step, target
-            if targets and len(step.writes) == 1 and step.writes[0] in targets:
-                stage.target = targets[step.writes[0]]
             if timer:
                 timer.start()
             step.task.draw(stage)
+            if targets and len(step.writes) == 1 and step.writes[0] in targets:
+                stage.target = targets[step.writes[0]]
+                step.task.draw(stage)
             if timer:
                 timer.stop(step.task.name)
             if checked:
@@ -175,28 +188,34 @@ class Timer:
         # Software renderers answer timer queries with nonsense (llvmpipe: 9 microseconds for 500).
         self._gpu = not ctx.software and (ctx.api == "gl" or "GL_EXT_disjoint_timer_query" in ctx.extensions())
         self.clock = "gpu" if self._gpu else "wall"
-        self._queries: list[tuple[str, Any]] = []
-        self._began = 0.0
+        self._queries: list[Any] = []  # used again: moderngl never frees one
+        self._names: list[str] = []
+        self._waits: list[float] = []
+        self._cpu: list[float] = []
+        self._began = self._cpu_began = 0.0
+
+    def restart(self) -> None:
+        """Forget what was timed."""
+        self._names, self._waits, self._cpu = [], [], []
         if not self._gpu:
-            ctx.mgl.finish()
+            self._ctx.mgl.finish()
 
     def start(self) -> None:
         if self._gpu:
-            query = self._ctx.mgl.query(time=True)
-            query.mglo.begin()
-            self._queries.append(("", query))
-        self._began = time.perf_counter()
+            if len(self._names) == len(self._queries):
+                self._queries.append(self._ctx.mgl.query(time=True))
+            self._queries[len(self._names)].mglo.begin()
+        self._began, self._cpu_began = time.perf_counter(), time.process_time()
 
     def stop(self, name: str) -> None:
         if self._gpu:
-            query = self._queries[-1][1]
-            query.mglo.end()
-            self._queries[-1] = (name, query)
+            self._queries[len(self._names)].mglo.end()
         else:
             self._ctx.mgl.finish()
-            self._queries.append((name, 1e3 * (time.perf_counter() - self._began)))
+            self._waits.append(1e3 * (time.perf_counter() - self._began))
+        self._names.append(name)
+        self._cpu.append(1e3 * (time.process_time() - self._cpu_began))
 
     def results(self) -> list[PassTime]:
-        if self._gpu:
-            return [PassTime(name, query.elapsed * 1e-6, self.clock) for name, query in self._queries]
-        return [PassTime(name, ms, self.clock) for name, ms in self._queries]
+        spent = [query.elapsed * 1e-6 for query in self._queries[: len(self._names)]] if self._gpu else self._waits
+        return [PassTime(name, ms, self.clock, cpu) for name, ms, cpu in zip(self._names, spent, self._cpu, strict=True)]

@@ -33,7 +33,7 @@ class Program:
             raise ShaderError(f"{name} ({ctx.dialect}, {ctx.renderer}): {log}") from None
         self.name = name
         self.declared = frozenset(_UNIFORM.findall(vertex.text)) | frozenset(_UNIFORM.findall(fragment.text))
-        self._uniforms = {key: self.mgl[key] for key in self.mgl if isinstance(self.mgl[key], moderngl.Uniform)}
+        self._uniforms: dict[str, Any] = {key: self.mgl[key] for key in self.mgl if isinstance(self.mgl[key], moderngl.Uniform)}
         self._last: dict[str, Any] = {}
 
     def set(self, values: Mapping[str, Any]) -> None:

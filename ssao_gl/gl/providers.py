@@ -30,9 +30,7 @@ class Provider:
 
 def _from_egl(name: str, opened: egl.EglContext, api: Api | None) -> Context:
     try:
-        return attach(
-            name, opened.platform, opened.get_proc, api=api, make_current=opened.make_current, close=opened.release
-        )
+        return attach(name, opened.platform, opened.get_proc, api=api, make_current=opened.make_current, close=opened.release)
     except BaseException:
         opened.release()
         raise
@@ -132,15 +130,22 @@ def wrap_current(get_proc: GetProc | None = None, *, api: Api | None = None) -> 
     return attach("current", "the caller's", get_proc or find_get_proc(), api=api)
 
 
-def wrap_moderngl(
-    mgl: moderngl.Context, *, provider: str = "current", close: Callable[[], None] = lambda: None
-) -> Context:
-    """Use a moderngl context of the caller; it must be current. Raises ContextError when its functions cannot be found."""
-    from .loader import Functions
+def wrap_moderngl(mgl: moderngl.Context, *, provider: str = "current", close: Callable[[], None] = lambda: None) -> Context:
+    """Use a moderngl context of the caller; it must be current. Raises ContextError when it cannot be used."""
+    from .loader import Functions, Loader
 
-    functions = Functions(find_get_proc())
-    api: Api = "es" if "OpenGL ES" in functions.string(0x1F02) else "gl"
-    return Context(provider, "the caller's", api, mgl, functions, None, mgl.__enter__, close)
+    if not isinstance(mgl, moderngl.Context):
+        raise ContextError(f"expected a moderngl.Context or a context of ssao_gl.gl, got {type(mgl).__name__}")
+    # What moderngl loaded its own functions with knows the right library, wherever the context came from.
+    origin = getattr(mgl.mglo, "_context", None)
+    if isinstance(origin, Loader):
+        functions = origin.functions
+        api: Api = "es" if "OpenGL ES" in functions.string(0x1F02) else "gl"
+        return Context(provider, "the caller's", api, mgl, functions, origin, close=close)
+    functions = Functions(getattr(origin, "load_opengl_function", None) or find_get_proc())
+    if "OpenGL ES" in functions.string(0x1F02):
+        raise ContextError("moderngl by itself does not run on OpenGL ES; make it with ssao_gl.gl.wrap_current() instead")
+    return Context(provider, "the caller's", "gl", mgl, functions, None, mgl.__enter__, close)
 
 
 def find_get_proc() -> GetProc:

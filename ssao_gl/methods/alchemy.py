@@ -42,7 +42,9 @@ class Alchemy:
     intensity: float = setting(1.0, "strength; at 1 the corner of two walls is half occluded", low=0, high=16)
     bias: float = setting(0.001, "raise it if flat surfaces speckle", unit="share of the distance to the eye", low=0, high=0.1)
     power: float = setting(1.0, "contrast, applied last", above=0, high=16)
-    max_radius: float = setting(256.0, "largest footprint; nearer surfaces get a smaller reach", unit="pixels", low=1, high=4096)
+    max_radius: float = setting(
+        256.0, "largest footprint; nearer surfaces get a smaller reach", unit="pixels", low=1, high=4096
+    )
     distribution: str = setting("spiral", "of the taps in the disk", choices=("spiral", "hammersley", "uniform"))
     tile: int = setting(4, "width of the rotation texture", unit="pixels", low=1, high=64)
     rotation: str = setting("stratified", "how its vectors are spread", choices=("stratified", "random"))

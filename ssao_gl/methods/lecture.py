@@ -40,7 +40,9 @@ class Lecture:
         "border": Deviation(0.5, "taps outside the image read its border"),
     }
 
-    radius: float = setting(0.08, "footprint at depth 0, shrinking to 0 at the far plane", unit="share of the image", low=0, high=2)
+    radius: float = setting(
+        0.08, "footprint at depth 0, shrinking to 0 at the far plane", unit="share of the image", low=0, high=2
+    )
     samples: int = setting(4, "taps a pixel", low=1, high=64)
     distribution: str = setting("spiral", "of the taps in the disk", choices=("spiral", "hammersley", "uniform"))
     tile: int = setting(4, "width of the rotation texture", unit="pixels", low=1, high=64)

@@ -47,8 +47,12 @@ class Joint:
     name: ClassVar[str] = "joint"
 
     radius: int = setting(2, "half width; 2 matches the 4x4 rotation texture", unit="pixels", low=1, high=16)
-    sigma: float = setting(0.0, "of a Gaussian in space; 0: flat, matched to a tile 2 radius wide", unit="pixels", low=0, high=16)
-    tolerance: float = setting(2.0, "distance off the tangent plane that still counts in full", unit="pixels", above=0, high=1000)
+    sigma: float = setting(
+        0.0, "of a Gaussian in space; 0: flat, matched to a tile 2 radius wide", unit="pixels", low=0, high=16
+    )
+    tolerance: float = setting(
+        2.0, "distance off the tangent plane that still counts in full", unit="pixels", above=0, high=1000
+    )
 
     def __post_init__(self) -> None:
         validate(self)

@@ -85,7 +85,7 @@ class SceneOnGpu:
     def draw(self, view: View, writes: Sequence[str]) -> None:
         """Draw everything into the bound framebuffer, whose targets are ``writes`` in this order."""
         assert self.camera is not None
-        to_view = np.linalg.inv(self.camera.pose)
+        to_view = np.asarray(np.linalg.inv(self.camera.pose), np.float64)
         from_center = to_view.copy()
         from_center[:3, 3] += to_view[:3, :3] @ self._center
         projection = fit_depth_range(view, *self._depth_range(from_center))

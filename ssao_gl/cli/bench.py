@@ -1,0 +1,121 @@
+"""``ssao-gl bench``: what each pass costs on this driver, as ratios taken in one interleaved run."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from cyclopts import Parameter
+
+from ..camera import Camera, Size
+from ..gl.overhead import without_draws
+from ..graph import compile
+from ..methods.lecture import Lecture
+from ..pipeline import Settings, plan_render
+from ..renderer import Renderer, check_size
+from ..scene import Scene
+from .options import GlOption, JsonOption, LookOptions, ViewOptions
+from .output import progress, say, table, write_json
+
+
+def bench(
+    scene: Path | None = None,
+    *,
+    rounds: Annotated[int, Parameter(help="Interleaved rounds; medians are reported.")] = 15,
+    gl: GlOption = "auto",
+    json: JsonOption = None,
+    view: ViewOptions = ViewOptions(),
+    look: LookOptions = LookOptions(),
+) -> int:
+    """Time every pass, in wall and in CPU time, beside the lecture's 4-tap shader and a G-buffer of depth alone.
+
+    Parameters
+    ----------
+    scene
+        Scene file. Without it: the embedded scene.
+    """
+    settings, size = look.settings(), view.pixels()
+    check_size(size)
+    loaded = view.load(scene)
+    camera = view.choose(loaded)
+    with Renderer(gl) as renderer:
+        passes = _passes(renderer, loaded, camera, size, settings, max(rounds, 1))
+        host = _host(renderer, loaded, camera, settings)
+        where = f"{renderer.ctx.provider}, {renderer.ctx.renderer}"
+    lecture = passes["lecture (4 taps)"][0]
+    bare = passes["G-buffer"][0]
+    table(
+        f"{loaded.name} {camera.name}, {loaded.triangles:,} triangles, {size[0]}x{size[1]}, {where}, medians of {rounds} rounds",
+        ("pass", "wall ms", "cpu ms", "x lecture", "x G-buffer"),
+        [
+            (name, f"{wall:.1f}", f"{cpu:.1f}", f"{wall / lecture:.2f}", f"{wall / bare:.2f}")
+            for name, (wall, cpu) in passes.items()
+        ],
+    )
+    say(f"planning {host['plan_ms']:.2f} ms; Python in a frame of {host['passes']} passes {host['frame_ms']:.2f} ms")
+    if json:
+        content = {name: {"wall_ms": wall, "cpu_ms": cpu} for name, (wall, cpu) in passes.items()}
+        write_json(
+            json, {"where": where, "size": list(size), "scene": loaded.name, "camera": camera.name, "passes": content, **host}
+        )
+    return 0
+
+
+def _passes(
+    renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings, rounds: int
+) -> dict[str, tuple[float, float]]:
+    """Median (wall, CPU) milliseconds by pass: variants take turns, so a busy neighbour slows all alike."""
+    lecture = Settings(method=Lecture(), blur=None)
+    variants: list[tuple[Settings, tuple[str, ...], dict[str, str]]] = [
+        (settings, ("depth",), {"gbuffer": "depth alone"}),
+        (settings, ("depth", "normal", "color"), {"gbuffer": "G-buffer"}),
+        (lecture, ("visibility",), {"lecture": "lecture (4 taps)"}),
+        (settings, ("image",), {}),
+    ]
+    found: dict[str, list[tuple[float, float]]] = {}
+    for number in progress(range(rounds + 2), "bench", rounds + 2):
+        for one, aovs, names in variants:
+            times = renderer.time(scene, camera, size, one, aovs=aovs)
+            if number < 2:  # compiling, warming up
+                continue
+            shown = {p.name: (p.ms, p.cpu_ms) for p in times if not names or p.name in names}
+            for name, ms in shown.items():
+                label = names.get(name, name if name != "gbuffer" else "")
+                if label:
+                    found.setdefault(label, []).append(ms)
+            if not names:
+                blur = [ms for name, ms in shown.items() if name.startswith("blur")]
+                if blur:
+                    found.setdefault("blur in all", []).append((sum(b[0] for b in blur), sum(b[1] for b in blur)))
+                whole = (sum(p.ms for p in times), sum(p.cpu_ms for p in times))
+                found.setdefault("whole frame", []).append(whole)
+    return {
+        name: (float(np.median([r[0] for r in runs])), float(np.median([r[1] for r in runs]))) for name, runs in found.items()
+    }
+
+
+def _host(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings) -> dict[str, float]:
+    """Milliseconds of Python: making a plan, and running a frame of one mesh with the driver's draws left out."""
+    settings = settings.with_radius(1.0)
+    plan = plan_render(settings, (1280, 720))
+    tasks = [step.task for step in plan.steps]
+    plan_ms = _median_ms(lambda: compile(tasks, (1280, 720), ["image"]), 200)
+    one = Scene(scene.draws[:1], cameras=scene.cameras, up=scene.up)
+    frame = renderer.frame(one, camera, (1, 1), settings, aovs=("image",))
+    frame()
+    with without_draws():
+        frame_ms = _median_ms(frame, 200)
+    return {"plan_ms": plan_ms, "frame_ms": frame_ms, "passes": len(plan.steps)}
+
+
+def _median_ms(work: Callable[[], object], count: int) -> float:
+    """Median milliseconds of ``work``."""
+    times = []
+    for _ in range(count):
+        began = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - began)
+    return 1e3 * float(np.median(times))
