@@ -33,7 +33,8 @@ def flipped(array: NDArray[Any]) -> NDArray[Any]:
 def to_bytes(values: NDArray[Any], bits: int = 8) -> NDArray[Any]:
     """Values in 0..1 to unsigned integers of 8 or 16 bits, rounded; NaN gives 0."""
     top = 255 if bits == 8 else 65535
-    return np.round(np.clip(np.nan_to_num(values), 0, 1) * top).astype(np.uint8 if bits == 8 else np.uint16)
+    rounded: NDArray[Any] = np.round(np.clip(np.nan_to_num(values), 0, 1) * top)
+    return rounded.astype(np.uint8 if bits == 8 else np.uint16)
 
 
 def save(path: Path | str, array: NDArray[Any], *, texts: Mapping[str, str] | None = None) -> None:

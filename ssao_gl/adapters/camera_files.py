@@ -48,7 +48,9 @@ def load_camera(spec: str) -> Camera:
     if choice.isdigit() and int(choice) < len(cameras):
         return cameras[int(choice)]
     names = [camera.name for camera in cameras]
-    raise SceneError(f"{name}: no camera '{choice}'; it has {', '.join(names)} (or a number from 0 to {len(names) - 1}).{near_miss(choice, names)}")
+    raise SceneError(
+        f"{name}: no camera '{choice}'; it has {', '.join(names)} (or a number from 0 to {len(names) - 1}).{near_miss(choice, names)}"
+    )
 
 
 def _camera(entry: Any, index: int, path: Path) -> Camera:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import logging
 import math
 import warnings
@@ -13,18 +14,29 @@ from numpy.typing import NDArray
 
 from ..camera import Camera, Perspective
 from ..errors import SceneError
+from ..files import unreadable
+from ..images import PICTURES
 from ..normals import crease_normals
 from ..scene import Draw, Scene
 
 if TYPE_CHECKING:
     import trimesh
 
-Z_UP = frozenset({".stl", ".3mf", ".ply", ".off", ".xyz", ".dxf"})
+LOG = logging.getLogger("ssao_gl")
+
+Z_UP = frozenset({"stl", "3mf", "ply", "off"})
 """Formats in which z is usually up; in all others y is. It only turns automatic views."""
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 DEFAULT_COLOR = (0.8, 0.8, 0.8)
 CREASE = math.radians(40)
+
+SPAN = (1e-30, 1e30)
+"""Sizes of a scene that 32-bit arithmetic can take."""
+FAR = 16
+"""Sizes of a mesh that its middle may lie off the origin before its vertices are stored about the middle."""
+MAX_TRIANGLES = 10**9
+"""More, by instances of instances, would keep a software renderer busy for hours."""
 
 
 def load(path: Path | str, *, crease: float = CREASE, up: str = "auto") -> Scene:
@@ -34,27 +46,30 @@ def load(path: Path | str, *, crease: float = CREASE, up: str = "auto") -> Scene
     up: ``"x"``, ``"y"``, ``"z"``, or ``"auto"`` by format. Raises SceneError, in one line, for anything unreadable.
     """
     path = Path(path)
-    if not path.is_file():
-        raise SceneError(f"{path}: {'is a folder, not a scene file' if path.is_dir() else 'no such file'}")
-    if path.stat().st_size == 0:
-        raise SceneError(f"{path}: the file is empty")
-    import trimesh
+    if reason := unreadable(path):
+        raise SceneError(f"{path}: {reason}; expected a scene file")
+    from . import mesh_files
 
-    suffix = path.suffix.lower().lstrip(".")
-    known = trimesh.available_formats()
-    if suffix not in known:
-        raise SceneError(f"{path}: unknown mesh format '.{suffix}'; this trimesh reads {', '.join(sorted(known))}")
+    kind, known = mesh_files.kind_of(path.name), mesh_files.formats()
+    if kind not in known:
+        raise SceneError(f"{path}: unknown mesh format '.{kind}'; this trimesh reads {', '.join(known)}")
     try:
         with _quiet():
-            loaded = trimesh.load_scene(path, allow_remote=False)
-        return from_trimesh(loaded, crease=crease, up=_up(up, path.suffix.lower()), name=path.name)
+            loaded = mesh_files.read(path)
+            scene = from_trimesh(loaded.scene, crease=crease, up=_up(up, loaded.kind), name=path.name)
     except SceneError as error:
-        raise SceneError(f"{path}: {error}") from None
+        raise SceneError(f"{path}: {error}") from error
     except (KeyboardInterrupt, SystemExit):
         raise
     except BaseException as error:  # the readers raise whatever a broken file leads them into
-        brief = " ".join(str(error).split())[:200]
-        raise SceneError(f"{path}: not a readable {suffix} file ({type(error).__name__}: {brief})") from error
+        brief = " ".join(str(error).split())[:200] or "its data contradict each other"
+        raise SceneError(
+            f"{path}: not a readable {kind} file ({type(error).__name__}: {brief}); is it truncated or broken?"
+        ) from error
+    if loaded.missing:
+        names = ", ".join(repr(name) for name in dict.fromkeys(loaded.missing))
+        LOG.warning("%s: drawn without %s, which is not in its folder", path, names[:300])
+    return dataclasses.replace(scene, cameras=loaded.cameras or scene.cameras)
 
 
 def from_trimesh(
@@ -81,54 +96,112 @@ def from_trimesh(
         if isinstance(geometry, trimesh.Trimesh) and len(geometry.faces):
             draws.append(_draw(geometry, np.stack(transforms), key, crease))
     if not draws:
-        raise SceneError("holds no triangles")
-    return Scene(draws, cameras=_cameras(source), up=up, name=name)
+        kinds = sorted({type(geometry).__name__ for geometry in source.geometry.values()} - {"Trimesh"})
+        raise SceneError("holds no triangles" + (f", only {', '.join(kinds)}" if kinds else ""))
+    scene = Scene(draws, cameras=_cameras(source), up=up, name=name)
+    _check_span("the scene", scene.bounds)
+    if scene.triangles > MAX_TRIANGLES:
+        raise SceneError(f"draws {scene.triangles:,} triangles, instances counted each; at most {MAX_TRIANGLES:,} are drawn")
+    return scene
 
 
 def _draw(mesh: trimesh.Trimesh, transforms: NDArray[np.float64], name: str, crease: float) -> Draw:
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
-    if faces.min() < 0 or faces.max() >= len(vertices):
-        raise SceneError(f"mesh '{name}': a triangle names vertex {faces.max()}, but there are only {len(vertices)}")
-    with np.errstate(over="ignore"):
-        positions = vertices.astype(np.float32)
+    low, high = int(faces.min()), int(faces.max())
+    if low < 0 or high >= len(vertices):
+        raise SceneError(
+            f"mesh '{name}': a triangle names vertex {low if low < 0 else high}; there are 0 to {len(vertices) - 1}"
+        )
+    positions, transforms = _centered(vertices, transforms, name)
     triangles = faces.astype(np.uint32)
-    color, vertex_colors = _colors(mesh)
-    normals = None
+    color, vertex_colors = _colors(mesh, name)
+    normals, source = None, None
     if "vertex_normals" in mesh._cache:  # read from the file, not computed by trimesh
         normals = np.asarray(mesh.vertex_normals, np.float32)
-    elif crease > 0 and np.isfinite(positions).all():
+    elif crease > 0:
         positions, triangles, normals, source = crease_normals(positions, triangles, crease)
-        vertex_colors = None if vertex_colors is None else vertex_colors[source]
+    visual: Any = mesh.visual
+    if visual.kind == "face":
+        vertex_colors = _face_means(np.asarray(visual.face_colors), triangles, len(positions))
+    elif vertex_colors is not None and source is not None:
+        vertex_colors = vertex_colors[source]
     return Draw(positions, triangles, normals, color, vertex_colors, transforms, name)
 
 
-def _colors(mesh: Any) -> tuple[tuple[float, float, float], NDArray[np.uint8] | None]:
-    """(base colour, vertex colours) in sRGB. A texture is sampled at the vertices."""
+def _centered(
+    vertices: NDArray[np.float64], transforms: NDArray[np.float64], name: str
+) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Vertices as 32-bit floats, about their middle where they lie far from the origin: there floats are too coarse."""
+    box = np.stack([vertices.min(0), vertices.max(0)])
+    if not np.isfinite(box).all():
+        broken = int((~np.isfinite(vertices)).any(1).sum())
+        raise SceneError(f"mesh '{name}': {broken} of {len(vertices)} vertices are not finite numbers (NaN or infinity)")
+    _check_span(f"mesh '{name}'", box)
+    middle = box.mean(0)
+    if np.abs(middle).max() <= FAR * (box[1] - box[0]).max():
+        return vertices.astype(np.float32), transforms
+    positions = np.empty(vertices.shape, np.float32)
+    np.subtract(vertices, middle, out=positions, casting="same_kind")
+    shifted = transforms.copy()
+    shifted[:, :3, 3] += transforms[:, :3, :3] @ middle
+    return positions, shifted
+
+
+def _check_span(what: str, box: NDArray[np.float64]) -> None:
+    """32-bit floats square lengths on the way; outside this range they would overflow or vanish."""
+    span = float((box[1] - box[0]).max())
+    if span and not SPAN[0] <= span <= SPAN[1]:
+        raise SceneError(f"{what} is {span:g} units large; it must be {SPAN[0]:g} to {SPAN[1]:g}: scale it")
+
+
+def _colors(mesh: Any, name: str) -> tuple[tuple[float, float, float], NDArray[np.uint8] | None]:
+    """(base colour, vertex colours) in sRGB. A texture is sampled at the vertices. Faces' own colours come later."""
     visual, white = mesh.visual, (1.0, 1.0, 1.0)
     if visual is None or not visual.defined:
         return DEFAULT_COLOR, None
     if visual.kind == "vertex":
         return white, np.asarray(visual.vertex_colors, np.uint8)
-    if visual.kind == "face":  # one colour a face needs vertices of its own; the mean of the faces around is close
-        return white, np.asarray(visual.to_color().vertex_colors, np.uint8) if hasattr(visual, "to_color") else _face_mean(mesh)
-    material = getattr(visual, "material", None)
-    image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
-    if image is not None and getattr(visual, "uv", None) is not None and len(visual.uv) == len(mesh.vertices):
-        return white, np.asarray(visual.to_color().vertex_colors, np.uint8)
+    if visual.kind == "face":
+        return white, None
+    material, color = getattr(visual, "material", None), DEFAULT_COLOR
     factor = getattr(material, "baseColorFactor", None)
     if factor is not None:  # glTF's factors are linear
-        return _encode(np.asarray(factor, np.float64)[:3] / 255), None
-    main = getattr(material, "main_color", None)
-    return (DEFAULT_COLOR if main is None else tuple(float(c) / 255 for c in main[:3])), None  # type: ignore[return-value]
+        color = _encode(np.asarray(factor, np.float64)[:3] / 255)
+    elif hasattr(material, "baseColorFactor"):
+        color = white
+    elif (main := getattr(material, "main_color", None)) is not None:
+        r, g, b = (float(c) / 255 for c in main[:3])
+        color = (r, g, b)
+    image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
+    sampled = None if image is None else _sampled(visual, image, len(mesh.vertices), name)
+    if sampled is not None:
+        return (color if factor is not None else white), sampled
+    colors = visual.vertex_attributes.get("color")
+    if colors is not None and np.shape(colors) in ((len(mesh.vertices), 3), (len(mesh.vertices), 4)):
+        from trimesh.visual.color import to_rgba
+
+        return color, np.asarray(to_rgba(colors), np.uint8)
+    return color, None
 
 
-def _face_mean(mesh: Any) -> NDArray[np.uint8]:
-    colors = np.asarray(mesh.visual.face_colors, np.float64)
-    total = np.zeros((len(mesh.vertices), 4))
-    for corner in range(3):
-        np.add.at(total, mesh.faces[:, corner], colors)
-    count = np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices))
-    return np.round(total / np.maximum(count, 1)[:, None]).astype(np.uint8)
+def _sampled(visual: Any, image: Any, count: int, name: str) -> NDArray[np.uint8] | None:
+    """The colours of a texture at the vertices; None, and a warning, when it cannot be used."""
+    if visual.uv is None or len(visual.uv) != count:
+        return None
+    try:
+        if image.format not in (None, *PICTURES):
+            raise ValueError(f"{image.format} pictures are not read")
+        return np.asarray(visual.to_color().vertex_colors, np.uint8)
+    except Exception as error:
+        LOG.warning("mesh '%s': drawn without its texture (%s)", name, error)
+        return None
+
+
+def _face_means(colors: NDArray[np.uint8], triangles: NDArray[np.uint32], count: int) -> NDArray[np.uint8]:
+    """Vertex colours from those of the faces around: exact at sharp edges, whose faces share no vertex."""
+    total = np.stack([sum(np.bincount(triangles[:, k], c, count) for k in range(3)) for c in colors.T], 1)
+    faces = np.bincount(triangles.ravel(), minlength=count)
+    return np.round(total / np.maximum(faces, 1)[:, None]).astype(np.uint8)
 
 
 def _encode(linear: NDArray[np.float64]) -> tuple[float, float, float]:
@@ -148,13 +221,13 @@ def _cameras(source: Any) -> list[Camera]:
         lens = Perspective(math.radians(float(camera.fov[1])), max(float(camera.z_near), 1e-9), far)
         return [Camera(lens, np.asarray(source.camera_transform, np.float64), camera.name or "file")]
     except Exception as error:
-        logging.getLogger("ssao_gl").warning("the file's camera is unusable: %s", error)
+        LOG.warning("the file's camera is unusable: %s", error)
         return []
 
 
-def _up(up: str, suffix: str) -> tuple[float, float, float]:
+def _up(up: str, kind: str) -> tuple[float, float, float]:
     if up == "auto":
-        return AXES["z" if suffix in Z_UP else "y"]
+        return AXES["z" if kind in Z_UP else "y"]
     if up not in AXES:
         raise SceneError(f"up axis '{up}'; must be x, y, z or auto")
     return AXES[up]
@@ -172,7 +245,7 @@ class _quiet(warnings.catch_warnings):
         self._errors = np.seterr(all="ignore")
         return entered
 
-    def __exit__(self, *exception: object) -> None:
+    def __exit__(self, *exception: Any) -> None:
         np.seterr(**self._errors)
         self._logger.setLevel(self._level)
         super().__exit__(*exception)
