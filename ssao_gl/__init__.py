@@ -1,27 +1,9 @@
 """Screen-space ambient occlusion on OpenGL ES, headless or inside your own program.
 
-Start with :func:`render` (scenes), :func:`apply` and :func:`occlusion` (arrays), :class:`Effect` (your GL program).
+Start with ``render`` (scenes), ``apply`` and ``occlusion`` (arrays), ``Effect`` (your GL program). The public names are
+listed in ``__init__.pyi``; each is imported on first use, so that importing the package costs next to nothing.
 """
 
-from . import gl
-from .api import apply, multiply, normals_from_depth, occlusion, render
-from .camera import Camera, look_at
-from .compare import Difference, compare
-from .effect import Effect
-from .errors import ContextError, FormatError, GraphError, SceneError, SettingsError, ShaderError, SsaoError
-from .kernel import Kernel, Rotation
-from .methods import method, register, registry
-from .methods.alchemy import Alchemy
-from .methods.lecture import Lecture
-from .passes.blur import Joint, LectureBlur, Separable
-from .picture import Picture
-from .pipeline import Settings, Shading
-from .renderer import Renderer
-from .scene import Draw, Scene
+import lazy_loader
 
-__all__ = [
-    "Alchemy", "Camera", "ContextError", "Difference", "Draw", "Effect", "FormatError", "GraphError", "Joint", "Kernel",
-    "Lecture", "LectureBlur", "Picture", "Renderer", "Rotation", "Scene", "SceneError", "Separable", "Settings",
-    "SettingsError", "ShaderError", "Shading", "SsaoError", "apply", "compare", "gl", "look_at", "method", "multiply",
-    "normals_from_depth", "occlusion", "register", "registry", "render",
-]  # fmt: skip
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

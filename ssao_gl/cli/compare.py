@@ -8,8 +8,8 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from .. import images
-from ..compare import compare as compare_pictures
-from ..compare import difference_picture
+from ..difference import compare as compare_pictures
+from ..difference import difference_picture
 from .output import say
 
 
@@ -17,7 +17,10 @@ def compare(
     actual: Path,
     expected: Path,
     *,
-    max_abs: Annotated[float | None, Parameter(help="Exit with 1 when any value differs by more (1/255 for PNG, the array's own unit for floats).")] = None,
+    max_abs: Annotated[
+        float | None,
+        Parameter(help="Exit with 1 when any value differs by more (1/255 for PNG, the array's own unit for floats)."),
+    ] = None,
     metric: Annotated[str, Parameter(help="More numbers, by commas: rmse, psnr, ssim, flip.")] = "",
     diff: Annotated[Path | None, Parameter(help="Write actual | expected | difference x 16 as PNG.")] = None,
 ) -> int:

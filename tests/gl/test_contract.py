@@ -24,7 +24,13 @@ METHODS = list(ao.registry())
 
 
 def visibility(
-    renderer: ao.Renderer, name: str, scene: Scene, cam: Camera, radius: float = 0.8, blur: object = None, size: tuple[int, int] = SIZE
+    renderer: ao.Renderer,
+    name: str,
+    scene: Scene,
+    cam: Camera,
+    radius: float = 0.8,
+    blur: object = None,
+    size: tuple[int, int] = SIZE,
 ) -> np.ndarray:
     settings = ao.Settings(method=with_radius(ao.method(name), radius), blur=blur)  # type: ignore[arg-type]
     picture = renderer.render(scene, cam, size, settings, aovs=("visibility", "depth"), checked=True)

@@ -113,7 +113,8 @@ def test_a_reversed_infinite_projection_draws_the_nearest_too(renderer: ao.Rende
     f = 1 / np.tan(0.45)
     m = np.array([[f * 96 / 128, 0, 0, 0], [0, f, 0, 0], [0, 0, 0, 0.1], [0, 0, -1, 0]])
     np.testing.assert_array_equal(
-        shot(renderer, scene, Camera.from_matrix(m, clip="0..1")).depth, shot(renderer, scene, Camera.perspective(0.9, 0.1)).depth
+        shot(renderer, scene, Camera.from_matrix(m, clip="0..1")).depth,
+        shot(renderer, scene, Camera.perspective(0.9, 0.1)).depth,
     )
 
 

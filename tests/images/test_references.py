@@ -15,7 +15,7 @@ from PIL import Image
 
 import ssao_gl as ao
 from ssao_gl import images
-from ssao_gl.compare import compare, difference_picture
+from ssao_gl.difference import compare, difference_picture
 from ssao_gl.passes.blur import BLURS
 from ssao_gl.scene import Scene
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.compare import compare, difference_picture
+from ssao_gl.difference import compare, difference_picture
 
 
 def test_numbers() -> None:
@@ -64,7 +64,10 @@ def test_composite_on_the_gpu_is_linear_light_too(any_renderer: ao.Renderer) -> 
     color[:16] //= 16  # the dark end, where the sRGB curve is a line
     depth = rng.uniform(2, 3, (96, 128)).astype(np.float32)
     picture = any_renderer.apply(
-        depth, ao.Camera.perspective(1.0), color=color, settings=ao.Settings(method=ao.Alchemy(radius=2.0), blur=None, shading=ao.Shading(ambient=1.0))
+        depth,
+        ao.Camera.perspective(1.0),
+        color=color,
+        settings=ao.Settings(method=ao.Alchemy(radius=2.0), blur=None, shading=ao.Shading(ambient=1.0)),
     )
     assert picture.visibility.std() > 0.1
     assert np.abs(picture.image.astype(int) - ao.multiply(color, picture.visibility)).max() <= 1
