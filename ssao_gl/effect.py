@@ -121,7 +121,6 @@ class Effect:
         if frame is None:
             size, depth_kind, normals, output = key
             plan = plan_apply(self.settings, size, depth=depth_kind, normals=normals, outputs=(output,))
-            self._kit.home.use()
             frame = self._frames[key] = Frame(self._kit, plan)
         return frame
 

@@ -17,7 +17,7 @@ from .state import GlState
 Api = Literal["es", "gl"]
 
 GL_VENDOR, GL_RENDERER, GL_VERSION, GL_EXTENSIONS, GL_NUM_EXTENSIONS = 0x1F00, 0x1F01, 0x1F02, 0x1F03, 0x821D
-GL_MAX_TEXTURE_SIZE = 0x0D33
+GL_MAX_TEXTURE_SIZE, GL_MAJOR_VERSION = 0x0D33, 0x821B
 SOFTWARE = ("llvmpipe", "softpipe", "swiftshader", "software", "swrast", "lavapipe")
 
 
@@ -111,6 +111,8 @@ def attach(
         raise ContextError(f"the current context is '{text}', not {'OpenGL ES' if api == 'es' else 'desktop OpenGL'}")
     if version < (300 if found == "es" else 330):
         raise ContextError(f"'{text}' is too old: OpenGL ES 3.0 or OpenGL 3.3 is needed")
+    if not functions.integers(GL_MAJOR_VERSION)[0]:  # some drivers tell their version without a context
+        raise ContextError("no OpenGL context is current in this thread; make it current first")
     loader = Loader(functions, es=found == "es", version=version)
     # Making moderngl's context changes blending, primitive restart and bindings, which may be the caller's.
     state = GlState(functions, es=found == "es", version=version)

@@ -49,6 +49,7 @@ FEEDBACK_PAUSED, FEEDBACK_ACTIVE, RESTART_INDEX = 0x8E23, 0x8E24, 0x8F9E
 PIXEL_STORE = {
     "PACK_ALIGNMENT": 0x0D05, "PACK_ROW_LENGTH": 0x0D02, "PACK_SKIP_ROWS": 0x0D03, "PACK_SKIP_PIXELS": 0x0D04,
     "UNPACK_ALIGNMENT": 0x0CF5, "UNPACK_ROW_LENGTH": 0x0CF2, "UNPACK_SKIP_ROWS": 0x0CF3, "UNPACK_SKIP_PIXELS": 0x0CF4,
+    "UNPACK_SKIP_IMAGES": 0x806D,  # not for 2-D textures, says the standard; SwiftShader does it
 }  # fmt: skip
 DESKTOP_PIXEL_STORE = {
     "PACK_SWAP_BYTES": 0x0D00,
@@ -258,6 +259,7 @@ class GuestState:
 
     def __init__(self, ctx: Context) -> None:
         self._mgl = ctx.mgl
+        self._screen = ctx.mgl.detect_framebuffer(0)
         self._state = GlState(ctx.functions, es=ctx.api == "es", version=ctx.mgl.version_code)
 
     def snapshot(self) -> State:
@@ -268,6 +270,8 @@ class GuestState:
         self._saved = self._state.snapshot()
         # moderngl keeps its own record of what is bound, once in Python and once in C.
         self._record = self._mgl.fbo, self._mgl.mglo.fbo
+        # It goes back to that one whenever it makes something, and the caller may have deleted it since.
+        self._mgl.fbo, self._mgl.mglo.fbo = self._screen, self._screen.mglo
         self._state.neutral(self._saved)
         return self
 
