@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .api import multiply
-from .compare import flip as flip_of
-from .compare import psnr as psnr_of
-from .compare import rmse as rmse_of
-from .compare import ssim as ssim_of
+from .difference import flip as flip_of
+from .difference import psnr as psnr_of
+from .difference import rmse as rmse_of
+from .difference import ssim as ssim_of
 from .errors import FormatError
 
 F64 = NDArray[np.float64]

@@ -7,14 +7,15 @@ import json
 import logging
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..camera import Camera, Size
+from ..errors import FormatError
 from ..files import make_folder, written
 from ..scene import Scene
 from ..settings import as_table
@@ -76,30 +77,38 @@ class Store:
         return _read(self._partial)
 
     def keep(self, arrays: dict[str, Any]) -> None:
-        """Write what is traced so far. Raises FormatError."""
+        """Write what is traced so far."""
         _write(self._partial, arrays)
 
     def finish(self, arrays: dict[str, Any]) -> None:
-        """Write the result, drop what was traced so far. Raises FormatError."""
+        """Write the result, drop what was traced so far."""
         _write(self._result, arrays)
-        self._partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            self._partial.unlink(missing_ok=True)
         prune(self._result.parent, MOST_BYTES)
 
 
-@contextmanager
-def stored(folder: Path, key: str) -> Iterator[Store]:
+def store(folder: Path, key: str) -> Store:
     """The store of ``key`` in ``folder``, which is made. Raises FormatError at once when nothing can be written there."""
+    check_writable(folder)
+    return Store(folder, key)
+
+
+def check_writable(folder: Path) -> None:
+    """Make a folder and write to it, on trial. Raises FormatError."""
     make_folder(folder)
-    with written(folder / f"truth-{key}.try"):
-        pass
-    (folder / f"truth-{key}.try").unlink(missing_ok=True)
-    yield Store(folder, key)
+    try:
+        with tempfile.TemporaryFile(dir=folder) as file:
+            file.write(b"trial")
+    except OSError as error:
+        raise FormatError(f"cannot write into {folder}: {error.strerror or error}") from None
 
 
 def prune(folder: Path, most: int) -> None:
-    """Remove the results that were not used for longest until the rest take at most ``most`` bytes."""
+    """Remove the files that were not used for longest until the rest take at most ``most`` bytes."""
     files = []
-    for path in folder.glob("truth-*.npz"):
+    # With a dot: what a process that was killed had begun to write.
+    for path in [*folder.glob("truth-*.npz"), *folder.glob(".truth-*.npz")]:
         with suppress(OSError):
             files.append((path.stat().st_mtime, path.stat().st_size, path))
     over = sum(size for _, size, _ in files) - most
@@ -121,8 +130,12 @@ def _digest(arrays: dict[str, Any]) -> str:
 
 
 def _write(path: Path, arrays: dict[str, Any]) -> None:
-    with written(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, digest=_digest(arrays), **arrays)
+    """A disk that fills up costs the file, with a warning, and not what was traced."""
+    try:
+        with written(path) as temporary, temporary.open("wb") as file:
+            np.savez(file, digest=_digest(arrays), **arrays)
+    except FormatError as error:
+        log.warning("%s; going on without", error)
 
 
 def _read(path: Path) -> dict[str, Any] | None:

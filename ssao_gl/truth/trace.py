@@ -20,7 +20,7 @@ from ..falloff import Falloff, weight
 from ..picture import Picture
 from ..renderer import check_size
 from ..scene import Scene
-from .cache import Store, content_key, stored
+from .cache import Store, content_key, store
 from .directions import directions, points
 from .rays import DIAMETER, OFFSET, RayScene, threads
 from .settings import Tracing
@@ -102,22 +102,22 @@ def trace(
     tracing = (tracing or Tracing()).with_radius(camera.ao_radius or scene.default_radius())
     if cache is None:
         return gather(surface(scene, camera, size), tracing, progress=progress)
-    with stored(cache, content_key(scene, camera, size, tracing)) as store:
-        found = store.result()
-        if found is not None:
-            return Truth(**found, tracing=tracing, cached=True)
-        truth = gather(surface(scene, camera, size), tracing, store=store, progress=progress)
-        store.finish({name: getattr(truth, name) for name in ("visibility", "stderr", "depth", "spp", "seconds")})
+    kept = store(cache, content_key(scene, camera, size, tracing))
+    found = kept.result()
+    if found is not None:
+        return Truth(**found, tracing=tracing, cached=True)
+    truth = gather(surface(scene, camera, size), tracing, kept=kept, progress=progress)
+    kept.finish({name: getattr(truth, name) for name in ("visibility", "stderr", "depth", "spp", "seconds")})
     return truth
 
 
-def gather(seen: Surface, tracing: Tracing, *, store: Store | None = None, progress: Progress | None = None) -> Truth:
+def gather(seen: Surface, tracing: Tracing, *, kept: Store | None = None, progress: Progress | None = None) -> Truth:
     """Visibility of a surface that is already there, with a radius that is given. See :func:`trace`.
 
-    One surface serves many calls: other radii, falloffs, numbers of rays. ``store`` keeps what is traced so far.
+    One surface serves many calls: other radii, falloffs, numbers of rays. ``kept`` is where what is traced so far goes.
     """
-    work = Work(seen, tracing, local_radius(seen.rays, tracing), store, progress or (lambda done, total: None))
-    saved = store.partial() if store is not None else None
+    work = Work(seen, tracing, local_radius(seen.rays, tracing), kept, progress or (lambda done, total: None))
+    saved = kept.partial() if kept is not None else None
     fits = saved is not None and len(saved["total"]) == len(seen.origins)
     sums = Sums.restored(saved) if fits and saved is not None else Sums.empty(len(seen.origins))
     if sums.parts:
@@ -147,7 +147,7 @@ class Work:
     seen: Surface
     tracing: Tracing
     radius: float
-    store: Store | None
+    kept: Store | None
     progress: Progress
 
     def run(self, sums: Sums, pool: ThreadPoolExecutor) -> None:
@@ -163,12 +163,12 @@ class Work:
                     now = time.perf_counter()
                     sums.seconds = before + now - started
                     self._tell(batch, index, total)
-                    if self.store is not None and now - saved > SAVE_SECONDS:
-                        self.store.keep(sums.saved())
+                    if self.kept is not None and now - saved > SAVE_SECONDS:
+                        self.kept.keep(sums.saved())
                         saved = now
         except BaseException:
-            if self.store is not None:
-                self.store.keep(sums.saved())
+            if self.kept is not None:
+                self.kept.keep(sums.saved())
             raise
 
     def _batches(self, sums: Sums) -> int:

@@ -1,0 +1,173 @@
+"""``ssao-gl truth``: ray-traced ambient occlusion, to measure others by."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from .. import images
+from ..errors import FormatError
+from ..falloff import Falloff
+from ..renderer import check_size
+from ..scene import Scene
+from ..truth import Tracing, Truth, trace
+from ..truth.cache import check_writable, default_folder
+from ..truth.settings import MOST_SPP, NORMALS, SPP
+from ..truth.trace import Progress
+from .options import JsonOption, ViewOptions
+from .output import QUIET, say, write_json
+
+GROUP = "Rays"
+
+
+def truth(
+    scene: Path | None = None,
+    *,
+    output: Annotated[
+        Path,
+        Parameter(
+            name=["--output", "-o"],
+            group="Output",
+            help="PNG, NPY or EXR file for visibility, or a folder for visibility, standard error and depth as NPY and PNG.",
+        ),
+    ] = Path("truth.png"),
+    radius: Annotated[
+        float | None,
+        Parameter(
+            group=GROUP,
+            help="Reach of occlusion, scene units. [default: the camera file's ao_radius, else a share of the scene]",
+        ),
+    ] = None,
+    falloff: Annotated[
+        str, Parameter(group=GROUP, help=f"How a blocker counts with distance: {', '.join(Falloff)}.")
+    ] = Falloff.HARD.value,
+    normals: Annotated[
+        str, Parameter(group=GROUP, help=f"Hemisphere about the triangle's or the interpolated normal: {' or '.join(NORMALS)}.")
+    ] = NORMALS[0],
+    spp: Annotated[
+        int | None,
+        Parameter(
+            group=GROUP,
+            help=f"Rays a pixel, rounded up to whole batches; with --max-stderr at most so many. [default: {SPP}; with --max-stderr {MOST_SPP}]",
+        ),
+    ] = None,
+    max_stderr: Annotated[
+        float | None,
+        Parameter(group=GROUP, help="Stop when the root mean square of the pixels' standard errors is below this."),
+    ] = None,
+    seed: Annotated[int, Parameter(group=GROUP, help="Of the directions.")] = 0,
+    cache: Annotated[
+        Path | None,
+        Parameter(
+            group="Output",
+            negative="",
+            help="Folder where results are kept and interrupted runs go on. [default: the user's cache folder]",
+        ),
+    ] = None,
+    no_cache: Annotated[bool, Parameter(group="Output", negative="", help="Keep nothing and take nothing from there.")] = False,
+    json: JsonOption = None,
+    view: ViewOptions = ViewOptions(),
+) -> int:
+    """Trace ambient occlusion, or obscurance, of what a camera sees. The same command goes on where Ctrl-C cut it.
+
+    Parameters
+    ----------
+    scene
+        Scene file. Without it: the embedded scene.
+    """
+    tracing = Tracing(radius=radius, falloff=falloff, normals=normals, spp=spp, max_stderr=max_stderr, seed=seed)
+    size = view.pixels()
+    check_size(size)
+    _check_output(output)
+    folder = None if no_cache else _folder(cache)
+    loaded = view.load(scene)
+    camera = view.choose(loaded)
+    with _bar() as progress:
+        try:
+            found = trace(loaded, camera, size, tracing, cache=folder, progress=progress)
+        except KeyboardInterrupt:
+            if folder is not None:
+                logging.getLogger("ssao_gl").warning("what is traced so far is kept; the same command goes on from there")
+            raise
+    if max_stderr is not None and found.noise > max_stderr:
+        logging.getLogger("ssao_gl").warning(
+            "the standard error is %.3g after %d rays a pixel, above --max-stderr %g; raise --spp",
+            found.noise,
+            found.spp,
+            max_stderr,
+        )
+    report = {"scene": loaded.name, "camera": camera.name or "unnamed"}
+    paths = found.picture(**report).save(output)
+    where = str(paths[0]) if len(paths) == 1 else f"{output} ({len(paths)} files)"
+    say(f"{where}: {_summary(loaded, found)}")
+    if json:
+        write_json(json, report | _numbers(loaded, found))
+    return 0
+
+
+def _summary(scene: Scene, found: Truth) -> str:
+    h, w = found.visibility.shape
+    speed = f"{found.rays / 1e6:.1f} million rays in {found.seconds:.1f} s" + (", from the cache" if found.cached else "")
+    return (
+        f"{scene.name}, {scene.triangles:,} triangles, {w}x{h}, {found.tracing.falloff} radius {found.tracing.radius:.4g},"
+        f" {found.spp} rays a pixel, standard error {found.noise:.2g}, {speed}"
+    )
+
+
+def _numbers(scene: Scene, found: Truth) -> dict[str, object]:
+    covered = found.visibility[found.covered]
+    return {
+        "triangles": scene.triangles,
+        **found.picture().report,
+        "stderr": found.noise,
+        "rays": found.rays,
+        "seconds": found.seconds,
+        "cached": found.cached,
+        "covered": float(found.covered.mean()),
+        "mean_visibility": float(covered.mean()) if covered.size else None,
+    }
+
+
+def _check_output(output: Path) -> None:
+    """Before anything is traced. Raises FormatError."""
+    suffix = output.suffix.lower()
+    if suffix and suffix not in images.SUFFIXES and not output.is_dir():
+        raise FormatError(f"-o {output}: unknown suffix '{suffix}'; use one of {', '.join(images.SUFFIXES)}, or a folder")
+    if suffix and not output.parent.is_dir():
+        raise FormatError(f"-o {output}: there is no folder {output.parent}")
+    check_writable(output.parent if suffix and not output.is_dir() else output)
+
+
+def _folder(given: Path | None) -> Path | None:
+    """The cache folder; one that was not asked for and cannot be written is done without."""
+    folder = given or default_folder()
+    try:
+        check_writable(folder)
+    except FormatError as error:
+        if given is not None:
+            raise
+        logging.getLogger("ssao_gl").warning("%s; going on without a cache", error)
+        return None
+    return folder
+
+
+@contextmanager
+def _bar() -> Iterator[Progress | None]:
+    """A progress bar with the time left, when standard error is a terminal."""
+    if QUIET.get() or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("tracing", total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
