@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from .errors import SettingsError, near_miss
+from .files import unreadable
 from .methods import method, registry
 from .passes.blur import BLURS, blur
 from .pipeline import Settings, Shading
@@ -17,11 +18,11 @@ from .settings import assign
 
 def read_toml(path: Path) -> dict[str, Any]:
     """A settings file: ``method`` and ``blur`` by name, and tables ``[blur]``... see :func:`settings_from`. Raises SettingsError."""
+    if reason := unreadable(path, empty=True):
+        raise SettingsError(f"{path}: {reason}; expected a TOML file with settings")
     try:
         return tomllib.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise SettingsError(f"{path}: {error.strerror or error}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # TOMLDecodeError and UnicodeDecodeError are ValueErrors
         raise SettingsError(f"{path}: not TOML ({error})") from None
 
 

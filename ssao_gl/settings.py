@@ -71,7 +71,7 @@ def validate(record: Any) -> None:
             continue
         if kind in (int, float):
             number = isinstance(value, int | float) and not isinstance(value, bool)
-            if not number or not math.isfinite(value) or (kind is int and value != int(value)):
+            if not number or not _finite(value) or (kind is int and value != int(value)):
                 raise SettingsError(f"{name}: must be a finite {'whole ' if kind is int else ''}number")
             wrong = (
                 (rule.above is not None and value <= rule.above)
@@ -85,6 +85,13 @@ def validate(record: Any) -> None:
             raise SettingsError(f"{name}: must be {'text' if kind is str else 'true or false'}")
         if rule.choices and value not in rule.choices:
             raise SettingsError(f"{name}: must be {rule.describe()}.{near_miss(str(value), rule.choices)}")
+
+
+def _finite(value: float) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number beyond all floats
+        return False
 
 
 def assign(record: Record, values: Mapping[str, Any]) -> Record:

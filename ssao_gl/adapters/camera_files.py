@@ -9,6 +9,7 @@ from typing import Any
 
 from ..camera import Camera, Orthographic, Perspective, look_at
 from ..errors import SceneError, SsaoError, near_miss
+from ..files import unreadable
 
 MAX_BYTES = 16 << 20
 
@@ -20,12 +21,12 @@ def load_cameras(path: Path | str) -> list[Camera]:
     scene units and degrees; ``up``, ``znear``, ``zfar``, ``ao_radius`` and ``name`` may be left out. Raises SceneError.
     """
     path = Path(path)
+    if reason := unreadable(path):
+        raise SceneError(f"{path}: {reason}; expected a camera file (.cam.json)")
+    if path.stat().st_size > MAX_BYTES:
+        raise SceneError(f"{path}: larger than {MAX_BYTES >> 20} MiB; not a camera file")
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise SceneError(f"{path}: larger than {MAX_BYTES >> 20} MiB; not a camera file")
         content = json.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise SceneError(f"{path}: {error.strerror or error}") from None
     except (ValueError, RecursionError) as error:
         raise SceneError(f"{path}: not JSON ({error})") from None
     listed = content.get("cameras") if isinstance(content, dict) else None
@@ -45,8 +46,8 @@ def load_camera(spec: str) -> Camera:
     for camera in cameras:
         if camera.name == choice:
             return camera
-    if choice.isdigit() and int(choice) < len(cameras):
-        return cameras[int(choice)]
+    if choice.isascii() and choice.isdigit() and int(choice[:9]) < len(cameras):
+        return cameras[int(choice[:9])]
     names = [camera.name for camera in cameras]
     raise SceneError(
         f"{name}: no camera '{choice}'; it has {', '.join(names)} (or a number from 0 to {len(names) - 1}).{near_miss(choice, names)}"
@@ -68,12 +69,12 @@ def _camera(entry: Any, index: int, path: Path) -> Camera:
         else:
             lens = Perspective(math.radians(float(entry["yfov_deg"])), znear, zfar)
         radius = entry.get("ao_radius")
-        if radius is not None and not float(radius) > 0:
-            raise SceneError(f"{where}: ao_radius={radius} must be above 0")
+        if radius is not None and not 0 < float(radius) < math.inf:
+            raise SceneError(f"{where}: ao_radius={radius} must be above 0 and finite")
         return Camera(lens, pose, str(entry.get("name", index)), None if radius is None else float(radius))
     except KeyError as error:
-        raise SceneError(f"{where}: lacks {error}") from None
-    except (TypeError, ValueError) as error:
+        raise SceneError(f"{where}: lacks {error}.{near_miss(error.args[0], entry)}") from None
+    except (TypeError, ValueError, OverflowError) as error:
         raise SceneError(f"{where}: {error}") from None
     except SsaoError as error:
         text = str(error)

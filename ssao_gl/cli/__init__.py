@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import io
 import logging
+import os
+import signal
 import sys
 import traceback
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, CycloptsError, Parameter
-from rich.console import Console
 
-from ..errors import SsaoError
+from ..errors import SettingsError, SsaoError, near_miss
 from .options import settings_help
 
 EXIT_INTERRUPTED = 130
@@ -20,7 +26,9 @@ app = App(
     help="Screen-space ambient occlusion on OpenGL ES. Without arguments: renders the embedded scene to ssao.png.",
     help_format="plaintext",
     result_action="return_value",
+    suppress_keyboard_interrupt=False,
 )
+app.meta.suppress_keyboard_interrupt = False
 _COMMANDS = {
     "render": "ssao_gl.cli.render:render",
     "apply": "ssao_gl.cli.apply:apply",
@@ -37,7 +45,12 @@ for _name, _target in _COMMANDS.items():
 
 
 @app.default
-def _embedded() -> int:
+def _embedded(*words: Annotated[str, Parameter(show=False)]) -> int:
+    if words:
+        if Path(words[0]).is_file():
+            raise SettingsError(f"unknown command '{words[0]}'. Did you mean 'ssao-gl render {words[0]}'?")
+        known = ", ".join(_COMMANDS)
+        raise SettingsError(f"unknown command '{words[0]}'; there are {known}.{near_miss(words[0], _COMMANDS)}")
     from .render import embedded
 
     return embedded()
@@ -52,9 +65,10 @@ def _launch(
     quiet: Annotated[bool, Parameter(name=["--quiet", "-q"], negative="", help="Print errors only.")] = False,
 ) -> int:
     """Global options, before or after the command."""
-    logging.basicConfig(
-        level=logging.DEBUG if verbose else logging.ERROR if quiet else logging.WARNING, format="ssao-gl: %(message)s"
-    )
+    level = logging.DEBUG if verbose else logging.ERROR if quiet else logging.WARNING
+    logging.basicConfig(level=level, format="ssao-gl: %(message)s", force=True)
+    if not verbose:
+        warnings.simplefilter("ignore")  # of Python, for developers
     for noisy in ("trimesh", "PIL"):
         logging.getLogger(noisy).setLevel(logging.INFO if verbose else logging.CRITICAL)
     from . import output
@@ -66,24 +80,56 @@ def _launch(
 def main(arguments: list[str] | None = None) -> None:
     """Entry point of ``ssao-gl``: exits with 0, 1 (a comparison failed), 2 (bad input), 3 (no OpenGL) or 130 (Ctrl-C)."""
     tokens = sys.argv[1:] if arguments is None else arguments
-    errors = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(
+                errors="backslashreplace"
+            )  # a terminal or pipe that cannot show a character is no reason to fail
     try:
-        code = app.meta(tokens, exit_on_error=False, print_error=False, result_action="return_value")
-    except KeyboardInterrupt:
-        errors.print("ssao-gl: interrupted")
-        code = EXIT_INTERRUPTED
-    except BrokenPipeError:
-        sys.stderr.close()  # the reader went away; there is nobody to tell
+        with _terminable():
+            code = app.meta(tokens, exit_on_error=False, print_error=False, result_action="return_value")
+            sys.stdout.flush()
+    except BrokenPipeError:  # the reader went away; there is nobody to tell, now or when Python flushes at its end
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0
-    except CycloptsError as error:
-        errors.print(f"ssao-gl: {' '.join(str(error).split())}  (ssao-gl -h lists what there is)")
-        code = 2
-    except SsaoError as error:
-        if "-v" in tokens or "--verbose" in tokens:
+    except (Exception, KeyboardInterrupt) as error:
+        code, message = _verdict(error)
+        if {"-v", "--verbose"} & set(tokens):
             traceback.print_exc()
-        errors.print(f"ssao-gl: {error}")
-        code = error.exit_code
-    except MemoryError:
-        errors.print("ssao-gl: out of memory; try a smaller --size or a smaller scene")
-        code = 2
+        # What files and paths hold may try to steer the terminal.
+        sys.stderr.write("ssao-gl: " + "".join(c if c.isprintable() or c == "\n" else "?" for c in message) + "\n")
     sys.exit(code)
+
+
+def _verdict(error: BaseException) -> tuple[int, str]:
+    """Exit code and one line for whatever ended a command."""
+    match error:
+        case SsaoError():
+            return error.exit_code, str(error)
+        case KeyboardInterrupt():
+            return EXIT_INTERRUPTED, "interrupted"
+        case CycloptsError():
+            return 2, f"{' '.join(str(error).split())}  (ssao-gl COMMAND -h lists what there is)"
+        case MemoryError():
+            return 2, "out of memory; try a smaller --size or a smaller scene"
+        case OSError():
+            return 2, f"{error.filename or 'standard output'}: {error.strerror or error}"
+    return 2, f"unforeseen {type(error).__name__}: {' '.join(str(error).split())[:200]}  (-v shows where; please report it)"
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """SIGTERM ends the process as an exception does: half-written files are removed on the way."""
+
+    def leave(number: int, frame: object) -> None:
+        raise SystemExit(128 + number)
+
+    try:
+        before = signal.signal(signal.SIGTERM, leave)
+    except ValueError:  # only the main thread may
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

@@ -10,7 +10,8 @@ from cyclopts import Parameter
 from .. import images
 from ..difference import compare as compare_pictures
 from ..difference import difference_picture
-from .output import say
+from ..errors import SettingsError
+from .output import check_output, say
 
 
 def compare(
@@ -19,10 +20,14 @@ def compare(
     *,
     max_abs: Annotated[
         float | None,
-        Parameter(help="Exit with 1 when any value differs by more (1/255 for PNG, the array's own unit for floats)."),
+        Parameter(
+            help="Exit with 1 when any value differs by more (1/255 for PNG, the array's own unit for floats). [default: no limit]"
+        ),
     ] = None,
-    metric: Annotated[str, Parameter(help="More numbers, by commas: rmse, psnr, ssim, flip.")] = "",
-    diff: Annotated[Path | None, Parameter(help="Write actual | expected | difference x 16 as PNG.")] = None,
+    metric: Annotated[str, Parameter(help="More numbers, by commas: rmse, psnr (dB), ssim, flip. [default: none]")] = "",
+    diff: Annotated[
+        Path | None, Parameter(help="Write actual | expected | difference x 16 to this PNG file. [default: none]")
+    ] = None,
 ) -> int:
     """Compare two pictures or arrays.
 
@@ -33,6 +38,10 @@ def compare(
     expected
         One of the same size.
     """
+    if max_abs is not None and not max_abs >= 0:
+        raise SettingsError(f"--max-abs {max_abs:g}: must be at least 0")
+    if diff is not None:
+        check_output("--diff", diff, (".png",))
     found = compare_pictures(actual, expected, [name.strip() for name in metric.split(",") if name.strip()])
     if diff is not None:
         images.save(diff, difference_picture(actual, expected))

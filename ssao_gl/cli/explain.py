@@ -9,6 +9,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from ..errors import SettingsError, near_miss
 from ..methods import registry
 from ..passes.blur import BLURS
 from ..pipeline import plan_render
@@ -71,9 +72,10 @@ def methods(name: str | None = None) -> int:
     """
     kinds = {**registry(), **{f"blur {key}": kind for key, kind in BLURS.items()}}
     if name is not None:
-        from ..methods import method
-
-        kinds = {name: type(method(name))}
+        chosen = {key: kind for key, kind in kinds.items() if name in (key, key.removeprefix("blur "))}
+        if not chosen:
+            raise SettingsError(f"unknown method or filter '{name}'; there are {', '.join(kinds)}.{near_miss(name, kinds)}")
+        kinds = chosen
     for key, kind in kinds.items():
         say(f"{key}: {(kind.__doc__ or '').strip().splitlines()[0]}")
         rows = [

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 from cyclopts import Parameter
 
-from ..camera import Camera, Orthographic, Perspective, Size, look_at
+from ..camera import Camera, Lens, Matrix, Orthographic, Perspective, Size, look_at
 from ..config import read_toml, settings_from
 from ..errors import SettingsError
 from ..methods import registry
@@ -21,8 +22,9 @@ from ..settings import limits
 from .output import parse_size, parse_vector
 
 
-def _option(text: str, *names: str) -> Parameter:
-    return Parameter(name=list(names) or None, help=text, negative="")
+def _option(text: str) -> Parameter:
+    # Numbers may be negative, and x,y,z that begin with a minus are no option.
+    return Parameter(help=text, negative="", allow_leading_hyphen=True)
 
 
 @Parameter(name="*", group="Occlusion")
@@ -31,11 +33,22 @@ class LookOptions:
     """Which method, which filter, and their settings."""
 
     method: Annotated[str | None, _option("AO method; `ssao-gl methods` lists them. [default: alchemy]")] = None
-    radius: Annotated[float | None, _option("Reach of occlusion, scene units. [default: the camera file's ao_radius, else a share of the scene]")] = None
+    radius: Annotated[
+        float | None,
+        _option("Reach of occlusion, scene units. [default: the camera file's ao_radius, else a share of the scene]"),
+    ] = None
     samples: Annotated[int | None, _option("Taps a pixel. [default: the method's]")] = None
     blur: Annotated[str | None, _option("Filter: none, lecture, separable or joint. [default: joint]")] = None
-    set: Annotated[tuple[str, ...], Parameter(name="--set", help="Any setting, as key=value or group.key=value; may be repeated.", negative="")] = ()
-    config: Annotated[Path | None, _option("TOML file with settings.")] = None
+    set: Annotated[
+        tuple[str, ...],
+        Parameter(
+            name="--set",
+            help="Any setting below, as key=value or group.key=value; may be repeated.",
+            negative="",
+            show_default=False,
+        ),
+    ] = ()
+    config: Annotated[Path | None, _option("TOML file with settings. [default: none]")] = None
 
     def settings(self) -> Settings:
         """Raises SettingsError."""
@@ -55,18 +68,35 @@ class ViewOptions:
     """Size and camera."""
 
     size: Annotated[str, _option("Width x height, pixels.")] = "1280x720"
-    camera: Annotated[str | None, _option("Camera file, FILE.cam.json or FILE.cam.json:NAME. [default: the scene's own, else automatic]")] = None
-    eye: Annotated[str | None, _option("Where the camera stands: x,y,z in scene units.")] = None
-    target: Annotated[str | None, _option("What it looks at: x,y,z. [default: the middle of the scene]")] = None
-    up: Annotated[str | None, _option("Upwards in the image: x,y,z. [default: the scene's up]")] = None
-    yfov_deg: Annotated[float | None, _option("Vertical field of view, degrees. [default: 40]")] = None
-    znear: Annotated[float | None, _option("Distance of the near plane, scene units.")] = None
-    zfar: Annotated[float | None, _option("Distance of the far plane, scene units; inf for none.")] = None
-    ortho: Annotated[float | None, _option("Parallel projection this many scene units high.")] = None
+    camera: Annotated[
+        str | None, _option("Camera file, FILE.cam.json or FILE.cam.json:NAME. [default: the scene's own, else automatic]")
+    ] = None
+    eye: Annotated[str | None, _option("Where the camera stands: x,y,z in scene units. [default: the camera's]")] = None
+    target: Annotated[
+        str | None,
+        _option("What it looks at: x,y,z in scene units. [default: the camera's; the middle of the scene with --eye or --up]"),
+    ] = None
+    up: Annotated[
+        str | None,
+        _option("Upwards in the image: a direction x,y,z. [default: the camera's; the scene's up with --eye or --target]"),
+    ] = None
+    yfov_deg: Annotated[
+        float | None, _option("Vertical field of view, degrees. [default: the camera's; 40 for an automatic one]")
+    ] = None
+    znear: Annotated[
+        float | None, _option("Distance of the near plane, scene units. [default: the camera's; by the scene with --eye]")
+    ] = None
+    zfar: Annotated[float | None, _option("Distance of the far plane, scene units; inf for none. [default: likewise]")] = None
+    ortho: Annotated[
+        float | None, _option("Parallel projection this many scene units high. [default: the camera's projection]")
+    ] = None
     up_axis: Annotated[str, _option("Which axis of the file is up, for automatic views: x, y, z or auto.")] = "auto"
-    crease_deg: Annotated[float, _option("Meshes without normals: edges sharper than this stay sharp, degrees; 0: flat.")] = 40.0
+    crease_deg: Annotated[float, _option("Meshes without normals: edges sharper than this stay sharp, degrees; 0: flat.")] = (
+        40.0
+    )
 
     def pixels(self) -> Size:
+        """(width, height). Raises SettingsError."""
         return parse_size(self.size)
 
     def load(self, path: Path | None) -> Scene:
@@ -90,17 +120,16 @@ class ViewOptions:
             base = scene.cameras[0] if scene.cameras else scene.default_camera(size)
         pose = base.pose
         if self.eye is not None or self.target is not None or self.up is not None:
-            eye = parse_vector("eye", self.eye) if self.eye else pose[:3, 3]
-            target = parse_vector("target", self.target) if self.target else scene.bounds.mean(0)
-            up = parse_vector("up", self.up) if self.up else scene.up
+            eye = pose[:3, 3] if self.eye is None else parse_vector("eye", self.eye)
+            target = scene.bounds.mean(0) if self.target is None else parse_vector("target", self.target)
+            up = scene.up if self.up is None else parse_vector("up", self.up)
             pose = look_at(eye, target, up)
         return dataclasses.replace(base, lens=self._lens(base, scene, pose), pose=pose)
 
-    def _lens(self, base: Camera, scene: Scene, pose: object) -> object:
+    def _lens(self, base: Camera, scene: Scene, pose: Matrix) -> Lens:
         """The base's lens, changed only where an option asks for it."""
-        import numpy as np
-
-        pose = np.asarray(pose)
+        if self.ortho is not None and self.yfov_deg is not None:
+            raise SettingsError("--ortho and --yfov-deg exclude each other: a parallel projection has no angle")
         moved = not np.array_equal(pose, base.pose) and self.camera is None
         if self.ortho is None and self.yfov_deg is None and self.znear is None and self.zfar is None and not moved:
             return base.lens
@@ -109,14 +138,35 @@ class ViewOptions:
         view = base.view(self.pixels())
         near = self.znear if self.znear is not None else (max(1e-4 * scene.extent, 0.5 * depths.min()) if moved else view.near)
         far = self.zfar if self.zfar is not None else (max(1.5 * depths.max(), 2 * near) if moved else view.far)
-        if self.ortho is not None:
-            return Orthographic(self.ortho, self.znear or 0.0, far if math.isfinite(far) else 1e6 * self.ortho)
-        yfov = math.radians(self.yfov_deg) if self.yfov_deg is not None else 2 * math.atan(1 / abs(view.projection[1, 1]))
-        return Perspective(yfov, near, far if math.isfinite(far) else None)
+        height = self.ortho
+        if height is None and self.yfov_deg is None and isinstance(base.lens, Orthographic):
+            height = base.lens.height
+        if height is not None:
+            return Orthographic(height, self.znear or 0.0, 1e6 * height if far == math.inf else far)
+        yfov = 2 * math.atan(1 / abs(view.projection[1, 1])) if self.yfov_deg is None else angle("--yfov-deg", self.yfov_deg)
+        return Perspective(yfov, near, None if far == math.inf else far)
 
 
-GlOption = Annotated[str, Parameter(name="--gl", group="Output", help="OpenGL provider: auto, egl-es, egl-gl, osmesa, angle, swiftshader, native.")]
-JsonOption = Annotated[Path | None, Parameter(name="--json", group="Output", help="Write settings, plan, renderer and milliseconds per pass; - prints them.")]
+def angle(name: str, degrees: float) -> float:
+    """A field of view in radians. Raises SettingsError."""
+    if not 0 < degrees < 180:
+        raise SettingsError(f"{name} {degrees:g}: must lie between 0 and 180 degrees")
+    return math.radians(degrees)
+
+
+GlOption = Annotated[
+    str,
+    Parameter(name="--gl", group="Output", help="OpenGL provider: auto, egl-es, egl-gl, osmesa, angle, swiftshader, native."),
+]
+JsonOption = Annotated[
+    Path | None,
+    Parameter(
+        name="--json",
+        group="Output",
+        help="Write settings, plan, renderer and milliseconds per pass to this file; - prints them. [default: none]",
+        allow_leading_hyphen=True,
+    ),
+]
 
 
 def settings_help() -> str:
@@ -128,6 +178,8 @@ def settings_help() -> str:
         lines.append(f"  {prefix}")
         for field in dataclasses.fields(kind):
             rule = limits(field)
-            facts = ", ".join(part for part in (f"{'auto' if field.default is None else field.default}", rule.unit, rule.describe()) if part)
+            facts = ", ".join(
+                part for part in (f"{'auto' if field.default is None else field.default}", rule.unit, rule.describe()) if part
+            )
             lines.append(f"    {field.name:14}{rule.doc} [{facts}]")
     return "\n".join(lines)

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..errors import SettingsError
-from ..files import written
+from ..errors import FormatError, SettingsError, near_miss
+from ..files import check_writable, written
 
 Item = TypeVar("Item")
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
 
 
-def say(text: str) -> None:
-    """A line on standard output, unless ``--quiet``."""
+def say(text: str, report: Path | None = None) -> None:
+    """A line on standard output, unless ``--quiet``; on standard error when ``report`` (of ``--json``) takes that: ``-``."""
     if not QUIET.get():
-        sys.stdout.write(text + "\n")
+        (sys.stderr if str(report) == "-" else sys.stdout).write(text + "\n")
 
 
 def table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
@@ -55,6 +55,29 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
         return
     with written(path) as temporary:
         temporary.write_text(text, "utf-8")
+
+
+def check_output(option: str, path: Path, suffixes: Sequence[str], *, folder: bool = False) -> None:
+    """Raise FormatError, before any work is done, when ``path`` cannot be written or has a suffix that is not known."""
+    known = ", ".join(suffixes) + (", or a folder" if folder else "")
+    if folder and path.is_dir():
+        check_writable(path, folder=True)
+    elif path.suffix.lower() in suffixes:
+        check_writable(path)
+    elif path.suffix or not folder:
+        raise FormatError(f"{option} {path}: unknown suffix '{path.suffix}'; use {known}.{near_miss(path.suffix, suffixes)}")
+    elif path.exists():
+        raise FormatError(f"{option} {path}: is a file; use a name that ends in {known}")
+    else:
+        check_writable(path, folder=True)
+
+
+def check_json(path: Path | None) -> None:
+    """Raise FormatError, before any work is done, when a report cannot be written."""
+    if path is not None and str(path) != "-":
+        if str(path).startswith("-"):  # an option, after a forgotten file name
+            raise SettingsError(f"--json {path}: must be a file name, or - to print")
+        check_writable(path)
 
 
 def parse_size(text: str) -> tuple[int, int]:

@@ -14,12 +14,13 @@ from cyclopts import Parameter
 from .. import images
 from ..camera import Camera
 from ..errors import FormatError, SettingsError
+from ..files import make_folder
 from ..picture import Picture, save_animation
 from ..pipeline import AOVS, Settings
 from ..renderer import Renderer, check_size
 from ..scene import Scene
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
-from .output import progress, say, write_json
+from .output import check_json, check_output, progress, say, write_json
 
 ANIMATIONS = (".gif", ".webp", ".apng")
 TIMED_FRAMES = 5
@@ -28,10 +29,27 @@ TIMED_FRAMES = 5
 def render(
     scene: Path | None = None,
     *,
-    output: Annotated[Path, Parameter(name=["--output", "-o"], group="Output", help="PNG, NPY or EXR file, or a folder for all AOVs as NPY and PNG.")] = Path("ssao.png"),
-    aov: Annotated[str | None, Parameter(group="Output", help=f"What to write, by commas: {', '.join(AOVS)}. [default: image for PNG, visibility for arrays, image and visibility for folders]")] = None,
-    bits: Annotated[int, Parameter(group="Output", help="Of grey PNG files: 8 or 16.")] = 8,
-    turntable: Annotated[int, Parameter(group="Output", help="Frames of a turn about the scene: numbered files in a folder, or a .gif, .webp or .apng file.")] = 0,
+    output: Annotated[
+        Path,
+        Parameter(
+            name=["--output", "-o"], group="Output", help="PNG, NPY or EXR file, or a folder for all AOVs as NPY and PNG."
+        ),
+    ] = Path("ssao.png"),
+    aov: Annotated[
+        str | None,
+        Parameter(
+            group="Output",
+            help=f"What to write, by commas: {', '.join(AOVS)}. [default: image for PNG, visibility for arrays, image and visibility for folders]",
+        ),
+    ] = None,
+    bits: Annotated[int, Parameter(group="Output", help="Bits a pixel of grey PNG files: 8 or 16.")] = 8,
+    turntable: Annotated[
+        int,
+        Parameter(
+            group="Output",
+            help="Number of frames of a turn about the scene: files in a folder, or a .gif, .webp or .apng file; 0: one picture.",
+        ),
+    ] = 0,
     gl: GlOption = "auto",
     json: JsonOption = None,
     view: ViewOptions = ViewOptions(),
@@ -49,6 +67,9 @@ def render(
     check_size(size)
     aovs = _aovs(aov, output, turntable)
     _check_output(output, turntable, bits)
+    check_json(json)
+    if json is not None and turntable:
+        raise SettingsError("--json reports on one picture; leave it out with --turntable")
     loaded = view.load(scene)
     camera = view.choose(loaded)
     with Renderer(gl) as renderer:
@@ -56,7 +77,7 @@ def render(
             _turn(renderer, loaded, camera, size, settings, aovs, output, turntable)
             return 0
         picture = renderer.render(loaded, camera, size, settings, aovs=aovs, timed=TIMED_FRAMES if json else 0)
-    _save(picture, output, bits)
+    _save(picture, output, bits, json)
     if json:
         write_json(json, picture.report)
     return 0
@@ -84,21 +105,16 @@ def _aovs(text: str | None, output: Path, turntable: int) -> tuple[str, ...]:
 
 
 def _check_output(output: Path, turntable: int, bits: int) -> None:
-    suffix = output.suffix.lower()
     if bits not in (8, 16):
         raise SettingsError(f"--bits {bits}: must be 8 or 16")
     if turntable < 0 or turntable > 100_000:
         raise SettingsError(f"--turntable {turntable}: must be 1 to 100000 frames")
-    known = (*images.SUFFIXES, *(ANIMATIONS if turntable else ()))
-    if suffix and suffix not in known and not output.is_dir():
-        raise FormatError(f"-o {output}: unknown suffix '{suffix}'; use one of {', '.join(known)}, or a folder")
-    if turntable and suffix in images.SUFFIXES:
+    if turntable and output.suffix.lower() in images.SUFFIXES:
         raise FormatError(f"-o {output}: a turntable goes to a folder or to a {', '.join(ANIMATIONS)} file")
-    if suffix and not output.parent.is_dir():
-        raise FormatError(f"-o {output}: there is no folder {output.parent}")
+    check_output("-o", output, (*images.SUFFIXES, *(ANIMATIONS if turntable else ())), folder=True)
 
 
-def _save(picture: Picture, output: Path, bits: int) -> None:
+def _save(picture: Picture, output: Path, bits: int, json: Path | None) -> None:
     aov = next(iter(picture.arrays)) if len(picture.arrays) == 1 else None
     paths = picture.save(output, aov=aov, bits=bits)
     report = picture.report
@@ -107,7 +123,8 @@ def _save(picture: Picture, output: Path, bits: int) -> None:
     say(
         f"{where}: {report['scene']}, {report['triangles']:,} triangles, {report['size'][0]}x{report['size'][1]}, {settings['method']}"
         f" radius {settings[settings['method']]['radius']:.4g}, blur {settings['blur']}, {report['provider']} ({report['renderer']}),"
-        f" {1e3 * report['seconds']:.0f} ms"
+        f" {1e3 * report['seconds']:.0f} ms",
+        json,
     )
 
 
@@ -121,17 +138,11 @@ def _turn(
         save_animation(output, list(shown))
         say(f"{output}: {count} frames")
         return
+    make_folder(output)
     for index, picture in enumerate(shown):
         folder = output if len(aovs) == 1 else output / f"{index:04d}"
-        picture.save(folder / f"{index:04d}.png" if _ready(output) and len(aovs) == 1 else folder)
+        picture.save(folder / f"{index:04d}.png" if len(aovs) == 1 else folder)
     say(f"{output}/: {count} frames")
-
-
-def _ready(folder: Path) -> bool:
-    from ..files import make_folder
-
-    make_folder(folder)
-    return True
 
 
 def orbit(camera: Camera, scene: Scene, count: int) -> Iterator[Camera]:

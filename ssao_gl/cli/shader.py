@@ -25,7 +25,10 @@ def shader(
     name: str | None = None,
     *,
     dialect: Annotated[str, Parameter(help=f"One of {', '.join(sources.DIALECTS)}.")] = "es300",
-    define: Annotated[tuple[str, ...], Parameter(help="NAME or NAME=VALUE, over the defaults; may be repeated.", negative="")] = (),
+    define: Annotated[
+        tuple[str, ...],
+        Parameter(help="NAME or NAME=VALUE, over the defaults; may be repeated.", negative="", show_default=False),
+    ] = (),
 ) -> int:
     """Print a shader, complete for one GLSL dialect.
 
