@@ -10,6 +10,10 @@ VARYING vec3 v_normal;
 #ifdef VERTEX_COLOR
 VARYING vec4 v_color;
 #endif
+#ifdef BEHIND
+uniform sampler2D u_front;  // linear depth of the first layer
+uniform vec2 u_texel;
+#endif
 uniform vec4 u_color;  // base colour, sRGB
 uniform vec3 u_light;  // unit vector to the light, view space
 
@@ -24,6 +28,10 @@ layout(location = COLOR) out vec4 out_color;
 #endif
 
 void main() {
+#ifdef BEHIND
+    // Depth peeling (Everitt 2001): only what lies behind the first layer by more than its own rounding.
+    if (-v_position.z <= SAMPLE(u_front, gl_FragCoord.xy * u_texel).r * (1.0 + 1e-5)) discard;
+#endif
 #ifdef DEPTH_TARGET
     out_z = vec4(-v_position.z);
 #endif

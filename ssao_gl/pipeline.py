@@ -105,10 +105,11 @@ def resources(aovs: Sequence[str]) -> list[str]:
 
 def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)) -> Plan:
     """The plan that draws a scene."""
-    from .passes.gbuffer import gbuffer
+    from .passes.gbuffer import gbuffer, layer_behind
 
     passes = [
         gbuffer(settings.shading.background_rgb),
+        layer_behind(),
         *_after_gbuffer(settings),
         screen.composite(settings.shading.ambient, direct=True),
     ]
@@ -124,6 +125,8 @@ def plan_apply(
     outputs: Sequence[str] = ("visibility",),
 ) -> Plan:
     """The plan over a caller's depth (and normals, and colour)."""
+    if "z2" in settings.method.samplers.values():
+        raise SettingsError(f"{settings.method.name}: two layers need a scene to draw; a depth buffer has one")
     if depth not in (WINDOW_DEPTH, EYE_DEPTH):
         raise SettingsError(f"depth kind '{depth}'; must be 'eye' (distance along the view axis) or 'window' (0 to 1)")
     notes = _notes(settings) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})

@@ -36,13 +36,16 @@ class Method(Protocol):
     name: ClassVar[str]
     shader: ClassVar[str]
     """Fragment shader, below ``shaders/``."""
-    samplers: ClassVar[Mapping[str, str]]
-    """Sampler uniform -> resource: ``z``, ``normal``, ``z_over_far``."""
     exceptions: ClassVar[Mapping[str, Deviation]]
     """Contracts (see ``tests/gl/test_contract.py``) that the published definition breaks. Empty for good methods."""
 
     @property
     def radius(self) -> Any: ...
+
+    @property
+    def samplers(self) -> Mapping[str, str]:
+        """Sampler uniform -> resource: ``z``, ``normal``, ``z_over_far``, ``z2`` (the layer behind)."""
+        ...
 
     def defines(self) -> Mapping[str, Define]:
         """What is compiled into the shader."""
@@ -73,7 +76,7 @@ def register(method: AnyMethod) -> AnyMethod:
 @cache
 def registry() -> Mapping[str, type]:
     """Every method by name: ours first, then those of installed packages."""
-    from . import alchemy, lecture  # noqa: F401
+    from . import alchemy, lecture, reference  # noqa: F401
 
     for entry in importlib.metadata.entry_points(group="ssao_gl.methods"):
         register(entry.load())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import moderngl
@@ -30,17 +30,32 @@ def gbuffer(background: Sequence[float]) -> Pass:
     clear = {"z": (0.0,) * 4, "normal": (0.0,) * 4, "color": (*background, 1.0)}
 
     def draw(stage: Stage) -> None:
-        stage.target.use()
-        gl = stage.kit.ctx.functions
-        clear_buffer = gl("glClearBufferfv", None, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
-        for index, name in enumerate(stage.step.writes):
-            clear_buffer(GL_COLOR, index, ctypes.addressof((ctypes.c_float * 4)(*clear[name])))
-        clear_buffer(GL_DEPTH, 0, ctypes.addressof(ctypes.c_float(1.0)))
-        gl("glEnable", None, ctypes.c_uint)(GL_DEPTH_TEST)
-        stage.context.draw(stage.view, stage.step.writes)
-        gl("glDisable", None, ctypes.c_uint)(GL_DEPTH_TEST)
+        _draw_scene(stage, [clear[name] for name in stage.step.writes], {})
 
     return Pass("gbuffer", (), targets, draw, depth="depth24")
+
+
+def layer_behind() -> Pass:
+    """Linear depth ``z2`` of the surface behind the first at every pixel, 0 where there is none."""
+
+    def draw(stage: Stage) -> None:
+        stage.kit.bind(0, stage.textures["z"])
+        _draw_scene(stage, [(0.0,) * 4], {"u_front": 0, "u_texel": stage.view.constants["u_texel"]})
+
+    return Pass("layer behind", ("z",), {"z2": Tex("r32f")}, draw, depth="depth24")
+
+
+def _draw_scene(stage: Stage, clear: Sequence[tuple[float, ...]], behind: Mapping[str, Any]) -> None:
+    """Clear the targets and draw the scene with a depth test; ``behind``: uniforms of a layer behind the first."""
+    stage.target.use()
+    gl = stage.kit.ctx.functions
+    clear_buffer = gl("glClearBufferfv", None, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
+    for index, color in enumerate(clear):
+        clear_buffer(GL_COLOR, index, ctypes.addressof((ctypes.c_float * 4)(*color)))
+    clear_buffer(GL_DEPTH, 0, ctypes.addressof(ctypes.c_float(1.0)))
+    gl("glEnable", None, ctypes.c_uint)(GL_DEPTH_TEST)
+    stage.context.draw(stage.view, stage.step.writes, behind)
+    gl("glDisable", None, ctypes.c_uint)(GL_DEPTH_TEST)
 
 
 class SceneOnGpu:
@@ -82,8 +97,11 @@ class SceneOnGpu:
             buffer.write(np.ascontiguousarray(part(slice(start, start + CHUNK))), offset=start * stride)
         return buffer
 
-    def draw(self, view: View, writes: Sequence[str]) -> None:
-        """Draw everything into the bound framebuffer, whose targets are ``writes`` in this order."""
+    def draw(self, view: View, writes: Sequence[str], behind: Mapping[str, Any] | None = None) -> None:
+        """Draw everything into the bound framebuffer, whose targets are ``writes`` in this order.
+
+        ``behind``: draw only what lies behind the layer that these uniforms describe.
+        """
         assert self.camera is not None
         to_view = np.asarray(np.linalg.inv(self.camera.pose), np.float64)
         from_center = to_view.copy()
@@ -93,9 +111,10 @@ class SceneOnGpu:
             "u_view": tuple(from_center.T.ravel()),
             "u_projection": tuple(projection.T.ravel()),
             "u_light": LIGHT,
+            **(behind or {}),
         }
         for number, (draw, buffers, index) in enumerate(self._draws):
-            defines = _defines(draw, writes)
+            defines = _defines(draw, writes) | ({"BEHIND": 1} if behind else {})
             program = self._kit.program("gbuffer.vert", "gbuffer.frag", defines)
             key = (number, program)
             vao = self._arrays.get(key)
@@ -143,7 +162,7 @@ def fit_depth_range(view: View, nearest: float, farthest: float) -> Matrix:
 
 def _defines(draw: Draw, writes: Sequence[str]) -> dict[str, int]:
     defines: dict[str, int] = {"TARGETS": len(writes)}
-    names = {"z": "DEPTH_TARGET", "normal": "NORMAL_TARGET", "color": "COLOR"}
+    names = {"z": "DEPTH_TARGET", "z2": "DEPTH_TARGET", "normal": "NORMAL_TARGET", "color": "COLOR"}
     defines.update({names[name]: index for index, name in enumerate(writes)})
     if "normal" in writes or "color" in writes:
         defines["NORMAL"] = 1

@@ -1,0 +1,64 @@
+// Slices of the hemisphere: planes through the direction to the viewer, in which occluders are intervals of angle.
+//
+// Within a slice an angle is replaced by u in 0..1, the share of the slice's cosine-weighted visibility below it
+// (between the two edges of the hemisphere), so that occlusion is plain length in u: sums are exact, and bits that
+// are equally spaced in u are of equal measure. With gamma the angle of the projected normal from the viewer,
+//   T = cos g + g sin g,   m(t, s) = (cos g sin^2 t + s sin g (t - sin t cos t)) / 2,   u = u0 + s m(t, s) / T
+// for an angle t from the viewer on side s, from the slice measure |N_s| cos(t - g) |sin t| of Jimenez et al.,
+// "Practical Realtime Strategies for Accurate Indirect Occlusion", 2016.
+
+const float SSAO_PI = 3.14159265358979;
+
+// |error| < 7e-5 (Abramowitz & Stegun 4.4.45); exact at 0, where it matters, and at pi.
+float ssao_acos(float x) {
+    float a = abs(x);
+    float r = sqrt(max(0.0, 1.0 - a)) * (1.5707963 + a * (-0.2121144 + a * (0.0742610 - a * 0.0187293)));
+    return x < 0.0 ? SSAO_PI - r : r;
+}
+
+struct SsaoSlice {
+    vec3 along;     // unit, away from the pixel, at right angles to the viewer
+    vec3 axis;      // unit, out of the slice
+    vec2 normal;    // of the surface: its parts along and to the viewer, as unit vector
+    float weight;   // |N_s| T, what the slice contributes
+    float share;    // of the normal out of the slice, over |N_s|
+    vec2 edge;      // cosines at the hemisphere's edge on the + and the - side
+    float u0;       // u of the viewer's direction
+    float per_t;    // 1 / T
+};
+
+// The slice in direction along (unit, at right angles to v) for the normal n and the unit direction v to the viewer.
+SsaoSlice ssao_slice(vec3 along, vec3 v, vec3 n) {
+    SsaoSlice s;
+    s.along = along;
+    s.axis = cross(v, along);
+    vec2 projected = vec2(dot(n, along), dot(n, v));
+    float length_ns = max(length(projected), 1e-4);
+    s.normal = projected / length_ns;
+    s.share = dot(n, s.axis) / length_ns;
+    float gamma = ssao_acos(clamp(s.normal.y, -1.0, 1.0)) * (s.normal.x < 0.0 ? -1.0 : 1.0);
+    // A surface that faces away, as smooth normals may near silhouettes, is taken edge on.
+    gamma = clamp(gamma, -0.5 * SSAO_PI, 0.5 * SSAO_PI);
+    float sin_g = s.normal.x, cos_g = max(s.normal.y, 0.0);
+    float t = cos_g + gamma * sin_g;
+    s.per_t = 1.0 / t;
+    s.weight = length_ns * t;
+    s.u0 = 0.5 * (cos_g * cos_g * cos_g - sin_g * (0.5 * SSAO_PI - gamma - sin_g * cos_g)) * s.per_t;
+    s.edge = vec2(-sin_g, sin_g);
+    return s;
+}
+
+// The offset d from the pixel in the slice, as (along, to the viewer). Taps lie on texel centres and so a little off the
+// slice: they slide into it along the surface, which leaves a plane a plane.
+vec2 ssao_into_slice(SsaoSlice s, vec3 d, vec3 v) {
+    return vec2(dot(d, s.along), dot(d, v)) + s.normal * (dot(d, s.axis) * s.share);
+}
+
+// u of a direction q in the slice on side +1 or -1, clamped to the hemisphere.
+float ssao_u(SsaoSlice s, vec2 q, float side) {
+    float c = q.y * inversesqrt(max(dot(q, q), 1e-30));
+    c = clamp(c, side > 0.0 ? s.edge.x : s.edge.y, 1.0);
+    float sin2 = 1.0 - c * c;
+    float m = 0.5 * (max(s.normal.y, 0.0) * sin2 + side * s.normal.x * (ssao_acos(c) - c * sqrt(max(sin2, 0.0))));
+    return clamp(s.u0 + side * m * s.per_t, 0.0, 1.0);
+}
