@@ -122,9 +122,10 @@ def noise(visibility: F64, truth: F64, depth: F64) -> float:
     good = np.isfinite(depth) & (depth > 0) & ~edge_band(depth)
     if min(depth.shape) < FLAT_WINDOW:
         return float("nan")
-    inside = _windows(good).all((-2, -1))
-    error = _windows(np.where(good, visibility - truth, 0.0))[inside]
-    return float(np.sqrt(error.var((-2, -1), ddof=1).mean())) if len(error) else float("nan")
+    error, count = np.where(good, visibility - truth, 0.0), FLAT_WINDOW**2
+    inside = _box(good.astype(np.float64)) == count
+    variance = (_box(error**2) - _box(error) ** 2 / count)[inside] / (count - 1)
+    return float(np.sqrt(np.maximum(variance, 0).mean())) if variance.size else float("nan")
 
 
 def edge_band(depth: ArrayLike, width: int = EDGE_BAND) -> Mask:
@@ -171,5 +172,10 @@ def _of(metric: Callable[[Any, Any], float], visibility: F64, truth: F64, where:
     return metric(visibility[where], truth[where]) if where.any() else float("nan")
 
 
-def _windows(image: NDArray[Any]) -> NDArray[Any]:
-    return np.lib.stride_tricks.sliding_window_view(image, (FLAT_WINDOW, FLAT_WINDOW))
+def _box(image: F64) -> F64:
+    """Sums over every whole window of ``FLAT_WINDOW`` x ``FLAT_WINDOW`` pixels."""
+    for axis in (0, 1):
+        rows = np.moveaxis(image, axis, 0)
+        count = len(rows) - FLAT_WINDOW + 1
+        image = np.moveaxis(sum(rows[k : k + count] for k in range(FLAT_WINDOW)), 0, axis)  # type: ignore[arg-type]
+    return image

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,10 +10,10 @@ from numpy.typing import NDArray
 
 from ..camera import Camera, Size, View
 from ..scene import Scene
-from .rays import DIAMETER, F32, F64, OFFSET, RayScene
+from .rays import DIAMETER, F32, F64, OFFSET, RayScene, threads
 from .sums import blocks
 
-CHUNK = 1 << 16
+CHUNK = 1 << 14
 """Pixels a step."""
 
 
@@ -55,7 +56,8 @@ def surface(scene: Scene | RayScene, camera: Camera, size: Size) -> Surface:
     rays = scene if isinstance(scene, RayScene) else RayScene(scene)
     view, count = camera.view(size), size[0] * size[1]
     depth = np.zeros(count, np.float32)
-    kept = [_hit(rays, camera, view, part, depth) for part in blocks(count, CHUNK)]
+    with ThreadPoolExecutor(threads()) as pool:
+        kept = list(pool.map(lambda part: _hit(rays, camera, view, part, depth), blocks(count, CHUNK)))
     origins, normals, shading = (np.concatenate([k[i] for k in kept]) for i in range(3))
     return Surface(rays, depth.reshape(size[1], size[0]), origins, normals, shading)
 

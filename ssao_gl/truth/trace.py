@@ -24,7 +24,7 @@ from .cache import Store, content_key, store
 from .directions import directions, points
 from .rays import DIAMETER, OFFSET, RayScene, threads
 from .settings import Tracing
-from .sums import Sums, blocks, rms
+from .sums import BLOCK, Sums, blocks, rms
 from .surface import Surface, surface
 
 F32 = NDArray[np.float32]
@@ -205,7 +205,7 @@ class Work:
 
     def _tell(self, batch: int, index: int, total: int) -> None:
         pixels, length = len(self.seen.origins), self.tracing.batches[0]
-        part = list(blocks(pixels))[index].stop if pixels else 0
+        part = min((index + 1) * BLOCK, pixels)
         self.progress((batch * pixels + part) * length, total * pixels * length)
 
 

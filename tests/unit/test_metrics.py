@@ -58,7 +58,7 @@ def test_noise_is_what_changes_from_pixel_to_pixel() -> None:
     random = np.random.default_rng(2)
     truth = np.full((200, 200), 0.6)
     depth = np.full((200, 200), 3.0)
-    assert noise(truth - 0.2, truth, depth) == pytest.approx(0, abs=1e-12)
+    assert noise(truth - 0.2, truth, depth) == pytest.approx(0, abs=1e-7)
     assert noise(truth + random.normal(0, 0.05, truth.shape), truth, depth) == pytest.approx(0.05, rel=0.02)
     tiled = np.tile(random.normal(0, 0.05, (4, 4)), (50, 50))
     assert noise(truth + tiled, truth, depth) == pytest.approx(tiled.std(), rel=0.1)
