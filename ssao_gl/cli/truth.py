@@ -14,14 +14,15 @@ from cyclopts import Parameter
 from .. import images
 from ..errors import FormatError
 from ..falloff import Falloff
+from ..files import check_writable
 from ..renderer import check_size
 from ..scene import Scene
 from ..truth import Tracing, Truth, trace
-from ..truth.cache import check_writable, default_folder
+from ..truth.cache import default_folder
 from ..truth.settings import MOST_SPP, NORMALS, SPP
 from ..truth.trace import Progress
-from .options import JsonOption, ViewOptions
-from .output import QUIET, say, write_json
+from .options import ViewOptions
+from .output import QUIET, check_json, check_output, say, write_json
 
 GROUP = "Rays"
 
@@ -71,7 +72,7 @@ def truth(
         ),
     ] = None,
     no_cache: Annotated[bool, Parameter(group="Output", negative="", help="Keep nothing and take nothing from there.")] = False,
-    json: JsonOption = None,
+    json: Annotated[Path | None, Parameter(group="Output", negative="", help="Write settings, standard error, rays and seconds to this file; - prints them.")] = None,
     view: ViewOptions = ViewOptions(),
 ) -> int:
     """Trace ambient occlusion, or obscurance, of what a camera sees. The same command goes on where Ctrl-C cut it.
@@ -84,7 +85,8 @@ def truth(
     tracing = Tracing(radius=radius, falloff=falloff, normals=normals, spp=spp, max_stderr=max_stderr, seed=seed)
     size = view.pixels()
     check_size(size)
-    _check_output(output)
+    check_output("-o", output, images.SUFFIXES, folder=True)
+    check_json(json)
     folder = None if no_cache else _folder(cache)
     loaded = view.load(scene)
     camera = view.choose(loaded)
@@ -105,7 +107,7 @@ def truth(
     report = {"scene": loaded.name, "camera": camera.name or "unnamed"}
     paths = found.picture(**report).save(output)
     where = str(paths[0]) if len(paths) == 1 else f"{output} ({len(paths)} files)"
-    say(f"{where}: {_summary(loaded, found)}")
+    say(f"{where}: {_summary(loaded, found)}", json)
     if json:
         write_json(json, report | _numbers(loaded, found))
     return 0
@@ -134,21 +136,11 @@ def _numbers(scene: Scene, found: Truth) -> dict[str, object]:
     }
 
 
-def _check_output(output: Path) -> None:
-    """Before anything is traced. Raises FormatError."""
-    suffix = output.suffix.lower()
-    if suffix and suffix not in images.SUFFIXES and not output.is_dir():
-        raise FormatError(f"-o {output}: unknown suffix '{suffix}'; use one of {', '.join(images.SUFFIXES)}, or a folder")
-    if suffix and not output.parent.is_dir():
-        raise FormatError(f"-o {output}: there is no folder {output.parent}")
-    check_writable(output.parent if suffix and not output.is_dir() else output)
-
-
 def _folder(given: Path | None) -> Path | None:
     """The cache folder; one that was not asked for and cannot be written is done without."""
     folder = given or default_folder()
     try:
-        check_writable(folder)
+        check_writable(folder, folder=True)
     except FormatError as error:
         if given is not None:
             raise

@@ -7,7 +7,6 @@ import json
 import logging
 import os
 import sys
-import tempfile
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ import numpy as np
 
 from ..camera import Camera, Size
 from ..errors import FormatError
-from ..files import make_folder, written
+from ..files import check_writable, make_folder, written
 from ..scene import Scene
 from ..settings import as_table
 from .settings import Tracing
@@ -90,18 +89,9 @@ class Store:
 
 def store(folder: Path, key: str) -> Store:
     """The store of ``key`` in ``folder``, which is made. Raises FormatError at once when nothing can be written there."""
-    check_writable(folder)
-    return Store(folder, key)
-
-
-def check_writable(folder: Path) -> None:
-    """Make a folder and write to it, on trial. Raises FormatError."""
     make_folder(folder)
-    try:
-        with tempfile.TemporaryFile(dir=folder) as file:
-            file.write(b"trial")
-    except OSError as error:
-        raise FormatError(f"cannot write into {folder}: {error.strerror or error}") from None
+    check_writable(folder, folder=True)
+    return Store(folder, key)
 
 
 def prune(folder: Path, most: int) -> None:
