@@ -102,8 +102,8 @@ PROVIDERS: Mapping[str, Provider] = {
 """In the order in which ``auto`` tries them."""
 
 
-def open_context(provider: str = "auto") -> Context:
-    """Open the named provider's context, or the first that works.
+def open_context(provider: str = "auto", *, api: Api | None = None) -> Context:
+    """Open the named provider's context, or the first that works (of ``api`` "es" or "gl", where that matters).
 
     Raises SettingsError for an unknown name and ContextError, with every reason and cure, when none opens.
     """
@@ -114,7 +114,11 @@ def open_context(provider: str = "auto") -> Context:
     reasons = []
     for candidate in tried:
         try:
-            return candidate.open()
+            context = candidate.open()
+            if api in (None, context.api):
+                return context
+            context.release()
+            reasons.append(f"  {candidate.name:12}gives {context.version}, not {api}")
         except (OSError, ImportError, AttributeError, ContextError) as reason:
             reasons.append(f"  {candidate.name:12}{reason}")
     cures = dict.fromkeys(candidate.cure for candidate in tried)

@@ -200,6 +200,6 @@ def framebuffer(ctx: Context, attachments: int, size: tuple[int, int] = (8, 8)) 
 
 def alive(ctx: Context) -> dict[str, int]:
     """How many GL objects of each kind there are, among the names that drivers hand out first."""
-    kinds = "Texture Buffer Framebuffer Renderbuffer Program Shader Sampler VertexArray Query".split()
+    kinds = ["Texture", "Buffer", "Framebuffer", "Renderbuffer", "Program", "Shader", "Sampler", "VertexArray", "Query"]
     gl = ctx.functions
     return {kind: sum(bool(gl(f"glIs{kind}", B, U)(name)) for name in range(1, 400)) for kind in kinds}

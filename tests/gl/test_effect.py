@@ -450,7 +450,7 @@ def test_wrapping_the_current_context_changes_nothing(context: Context) -> None:
 
 def test_wrapping_says_what_is_wrong(context: Context) -> None:
     other = {"es": "gl", "gl": "es"}[context.api]
-    with pytest.raises(ao.ContextError, match="the current context is '.*', not "):
+    with pytest.raises(ao.ContextError, match=r"the current context is '.*', not "):
         ao.gl.wrap_current(context.functions.get_proc, api=other)  # type: ignore[arg-type]
     with pytest.raises(ao.ContextError, match="glGetString"):
         ao.gl.wrap_current(lambda name: 0)
