@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera, Matrix, Size
+from ..camera import Camera, Matrix, Pinhole, Size
 from ..errors import SceneError
 from ..scene import Draw, Scene
 from .meshes import _encode
@@ -28,7 +28,10 @@ class PyrenderLens:
         self._camera = camera
 
     def matrix(self, size: Size) -> Matrix:
-        return np.asarray(self._camera.get_projection_matrix(*size), np.float64)
+        c = self._camera
+        if hasattr(c, "fx"):  # its own matrix doubles the intrinsics on macOS, for the window that it opens there
+            return Pinhole(c.fx, c.fy, c.cx, c.cy, *size, c.znear, c.zfar).matrix(size)
+        return np.asarray(c.get_projection_matrix(*size), np.float64)
 
 
 def is_pyrender_scene(thing: object) -> bool:
@@ -60,19 +63,43 @@ def camera_from_pyrender(scene: pyrender.Scene) -> Camera:
 
 def _draw(primitive: Any, pose: NDArray[np.float64], name: str) -> Draw | None:
     positions = np.asarray(primitive.positions, np.float32)
-    if primitive.mode != TRIANGLES or not len(positions):
+    if primitive.mode != TRIANGLES or len(positions) < 3:
         return None
-    indices = primitive.indices
-    triangles = np.arange(len(positions)).reshape(-1, 3) if indices is None else np.asarray(indices).reshape(-1, 3)
+    indices = np.arange(len(positions)) if primitive.indices is None else np.asarray(primitive.indices).ravel()
+    triangles = indices[: len(indices) // 3 * 3].reshape(-1, 3)
     normals = None if primitive.normals is None else np.asarray(primitive.normals, np.float32)
     poses = primitive.poses
     transforms = pose[None] if poses is None else pose @ np.asarray(poses, np.float64).reshape(-1, 4, 4)
-    material = primitive.material
-    factor = getattr(material, "baseColorFactor", None)
+    factor = getattr(primitive.material, "baseColorFactor", None)
     color = (0.8, 0.8, 0.8) if factor is None else _encode(np.asarray(factor, np.float64)[:3])
-    vertex_colors = None
-    if primitive.color_0 is not None:
-        rgba = np.asarray(primitive.color_0, np.float64)
-        rgba = rgba if rgba.shape[1] == 4 else np.column_stack([rgba, np.ones(len(rgba))])
-        vertex_colors = np.round(np.clip(rgba, 0, 1) * 255).astype(np.uint8)
-    return Draw(positions, triangles.astype(np.uint32), normals, color, vertex_colors, transforms, name)
+    return Draw(positions, triangles.astype(np.uint32), normals, color, _vertex_colors(primitive), transforms, name)
+
+
+def _vertex_colors(primitive: Any) -> NDArray[np.uint8] | None:
+    """(n, 4) uint8: the colours of the vertices times the texture there; None without either."""
+    parts = [
+        part for part in (_rgba(primitive.color_0), _sampled(primitive.material, primitive.texcoord_0)) if part is not None
+    ]
+    return np.round(np.prod(parts, axis=0) * 255).astype(np.uint8) if parts else None
+
+
+def _sampled(material: Any, uv: NDArray[Any] | None) -> NDArray[np.float64] | None:
+    """The base colour texture at the vertices, (n, 4) in 0..1. Row 0 of its image is on top, v points up."""
+    image = getattr(getattr(material, "baseColorTexture", None), "source", None)
+    if image is None or uv is None:
+        return None
+    pixels = np.asarray(image)
+    pixels = pixels[..., None] if pixels.ndim == 2 else pixels
+    h, w = pixels.shape[:2]
+    column, row = (np.mod((uv[:, 0], 1 - uv[:, 1]), 1) * [[w], [h]]).astype(int)
+    found = pixels[row, column].astype(np.float64)
+    return _rgba(found / 255 if pixels.dtype == np.uint8 else found)
+
+
+def _rgba(color: NDArray[Any] | None) -> NDArray[np.float64] | None:
+    """Grey, grey and alpha, RGB or RGBA (n, 1..4) in 0..1 as RGBA."""
+    if color is None:
+        return None
+    given = np.clip(np.asarray(color, np.float64), 0, 1)
+    rgb, alpha = (given[:, :3], given[:, 3:]) if given.shape[1] > 2 else (given[:, [0, 0, 0]], given[:, 1:])
+    return np.column_stack([rgb, alpha if alpha.shape[1] else np.ones(len(given))])
