@@ -1,8 +1,9 @@
-"""Vertex normals of meshes that have none, split where two faces meet at a sharp edge."""
+"""Vertex normals of meshes that have none: vertices are welded, and split where two faces meet at a sharp edge."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,37 +11,84 @@ from numpy.typing import NDArray
 CHUNK = 1 << 18
 """Triangles a step: temporaries stay small beside the mesh itself."""
 
+BUCKETS = 16
 F32 = NDArray[np.float32]
 U32 = NDArray[np.uint32]
+Source = NDArray[np.int64]
+"""For each new vertex the old one that it copies."""
 
 
-def crease_normals(positions: F32, triangles: U32, crease: float) -> tuple[F32, U32, F32, NDArray[np.int64]]:
+def weld(positions: F32, triangles: U32, colors: NDArray[np.uint8] | None = None) -> tuple[F32, U32, Source | None]:
+    """Make one of vertices at exactly the same place, and of the same colour: STL files have three for each triangle.
+
+    Returns positions (n', 3), triangles (m, 3) and where vertices come from, None when they are the same.
+    """
+    count = len(positions)
+    keys = np.empty(count, np.uint64)
+    for part in _parts(count):
+        keys[part] = _keys(positions[part], None if colors is None else colors[part])
+    first = np.empty(count, np.uint32)
+    for bucket in range(BUCKETS):  # a sort of all keys at once would take several times their memory
+        rows = np.flatnonzero(keys.view(np.uint8)[::8] % BUCKETS == bucket)
+        _, index, inverse = np.unique(keys[rows], return_index=True, return_inverse=True)
+        first[rows] = rows[index][inverse]
+    del keys
+    itself = np.arange(count, dtype=np.uint32)
+    for part in _parts(count):
+        same = (positions[first[part]] == positions[part]).all(1)
+        if colors is not None:
+            same &= (colors[first[part]] == colors[part]).all(1)
+        first[part] = np.where(same, first[part], itself[part])  # two places may have one key
+    kept = first == itself
+    if kept.all():
+        return positions, triangles, None
+    number = np.cumsum(kept, dtype=np.uint32)[first] - np.uint32(1)
+    return positions[kept], number[triangles], np.flatnonzero(kept)
+
+
+def _keys(positions: F32, colors: NDArray[np.uint8] | None) -> NDArray[np.uint64]:
+    """64 bits that are the same for the same place and colour, and hardly ever for others."""
+    words = list((positions + np.float32(0)).view(np.uint32).astype(np.uint64).T)  # -0 becomes 0
+    if colors is not None:
+        words += list(np.ascontiguousarray(colors).view(np.uint32).astype(np.uint64).T)
+    keys = np.zeros(len(positions), np.uint64)
+    for word in words:
+        keys = (keys ^ word) * np.uint64(0x9E3779B97F4A7C15)
+        keys ^= keys >> np.uint64(29)
+    return keys
+
+
+def _parts(count: int) -> Iterator[slice]:
+    return (slice(start, start + CHUNK) for start in range(0, count, CHUNK))
+
+
+def crease_normals(positions: F32, triangles: U32, crease: float) -> tuple[F32, U32, F32, Source | None]:
     """Angle-weighted vertex normals; faces that meet at more than ``crease`` radians keep their own.
 
-    Returns positions (n', 3), triangles (m, 3), unit normals (n', 3) and, for each new vertex, the old one it copies:
-    vertices on creases are doubled, all others stay. (Thuermer & Wuethrich 1998 for the weights.)
+    Returns positions (n', 3), triangles (m, 3), unit normals (n', 3) and where vertices come from, None when they are the
+    same: those on creases are doubled, all others stay. (Thuermer & Wuethrich 1998 for the weights.)
     """
     count = len(positions)
     smooth = np.zeros((count, 3), np.float32)
-    for start in range(0, len(triangles), CHUNK):
-        part = triangles[start : start + CHUNK]
+    for chosen in _parts(len(triangles)):
+        part = triangles[chosen]
         face, angles = _faces(positions, part)
         for corner in range(3):
             for axis in range(3):
                 weights = angles[:, corner] * face[:, axis]
-                smooth[:, axis] += np.bincount(part[:, corner], weights, count).astype(np.float32)
-    smooth /= np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), 1e-30)
+                np.add.at(smooth[:, axis], part[:, corner], weights)
+    for chosen in _parts(count):
+        smooth[chosen] /= np.maximum(np.linalg.norm(smooth[chosen], axis=1, keepdims=True), 1e-30)
 
     # Where every face lies within half the crease of the average, no pair of them can exceed it.
     sharp = np.zeros(count, bool)
-    for start in range(0, len(triangles), CHUNK):
-        part = triangles[start : start + CHUNK]
+    for chosen in _parts(len(triangles)):
+        part = triangles[chosen]
         face, _ = _faces(positions, part)
         off = np.einsum("tcx,tx->tc", smooth[part], face) < math.cos(min(crease, math.pi) / 2)
         sharp[part[off]] = True
-    same = np.arange(count)
     if not sharp.any():
-        return positions, triangles, smooth, same
+        return positions, triangles, smooth, None
     return _split(positions, triangles, smooth, sharp, crease)
 
 

@@ -20,9 +20,10 @@ from .gl.frame import Frame, PassTime
 from .gl.kit import Kit
 from .graph import Plan
 from .images import flipped
+from .passes.blur import Blur
 from .passes.gbuffer import SceneOnGpu
 from .picture import Picture
-from .pipeline import RESOURCES, Settings, plan_apply, plan_render, resources
+from .pipeline import RESOURCES, Settings, plan_apply, plan_filter, plan_render, resources
 from .scene import RADIUS_SHARE, Scene
 
 MAX_SIDE = 1 << 16
@@ -37,10 +38,12 @@ class Renderer:
     Keep it for many frames: programs, textures and the last scene stay on the GPU.
     """
 
-    def __init__(self, provider: str | Context = "auto") -> None:
+    def __init__(self, provider: str | Context = "auto", *, keep: int = 1) -> None:
+        """``keep``: how many plans' textures stay when settings change; more than 1 for those who go to and fro."""
         self.ctx = provider if isinstance(provider, Context) else gl.open(provider)
         self._kit = Kit(self.ctx)
-        self._frame: tuple[Any, Frame] | None = None
+        self._keep = keep
+        self._frames: list[tuple[Any, Frame]] = []  # the last one used is last
         self._scene: SceneOnGpu | None = None
 
     def render(
@@ -90,17 +93,21 @@ class Renderer:
         self, scene: Scene, camera: Camera | None, size: Size, settings: Settings | None, aovs: Sequence[str]
     ) -> tuple[Settings, Frame, View]:
         """Everything on the GPU for a frame: the scene, its camera, the plan's textures."""
-        check_size(size)
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
         settings = (settings or Settings()).with_radius(camera.ao_radius or scene.default_radius())
+        self._show(scene, camera, size)
+        key = ("render", settings, size, tuple(aovs))
+        return settings, self._plan(key, lambda: plan_render(settings, size, aovs)), camera.view(size)
+
+    def _show(self, scene: Scene, camera: Camera, size: Size) -> None:
+        """The scene on the GPU, before this camera. Raises SettingsError for a size that cannot be."""
+        check_size(size)
         if self._scene is None or self._scene.scene is not scene:
             if self._scene is not None:
                 self._scene.release()
             self._scene = None
             self._scene = SceneOnGpu(self._kit, scene)
         self._scene.camera = camera
-        key = ("render", settings, size, tuple(aovs))
-        return settings, self._plan(key, lambda: plan_render(settings, size, aovs)), camera.view(size)
 
     def apply(
         self,
@@ -123,7 +130,9 @@ class Renderer:
         depth, color, normals = check_arrays(depth, color, normals)
         h, w = depth.shape
         size = (w, h)
-        settings = (settings or Settings()).with_radius(camera.ao_radius or _radius_of(depth, camera, depth_kind))
+        settings = settings or Settings()
+        if settings.method.radius is None:
+            settings = settings.with_radius(camera.ao_radius or _radius_of(depth, camera, depth_kind))
         outputs = ("visibility", "z", "normal", *(("image",) if color is not None else ()))
         frame = self._plan(
             ("apply", settings, size, depth_kind, normals is not None, outputs),
@@ -143,19 +152,37 @@ class Renderer:
                 texture.release()
         return Picture(arrays, report)
 
+    def filter(
+        self, scene: Scene, camera: Camera, size: Size, visibility: NDArray[Any], blur: Blur
+    ) -> tuple[NDArray[np.float32], list[PassTime]]:
+        """A visibility (h, w) from elsewhere, row 0 on top, filtered by the depth and normals of ``scene``; and the time
+        that each pass took."""
+        self._show(scene, camera, size)
+        frame = self._plan(("filter", blur, size), lambda: plan_filter(blur, size))
+        given = upload(self._kit, "given", check_arrays(visibility, None, None)[0])
+        try:
+            frame.run(camera.view(size), {"given": given}, context=self._scene, timed=True)
+            return _aov(frame, "visibility"), frame.times
+        finally:
+            given.release()
+
     def _plan(self, key: Any, make: Any) -> Frame:
-        """The frame for a plan; the last one is kept, and its textures serve every plan of the same shape."""
-        if self._frame is None or self._frame[0] != key:
-            plan: Plan = make()
-            if self._frame is not None and self._frame[1].plan == plan:
-                self._frame[1].plan = plan  # other settings, the same targets
-                self._frame = (key, self._frame[1])
-                return self._frame[1]
-            if self._frame is not None:
-                self._frame[1].release()
-                self._frame = None
-            self._frame = (key, Frame(self._kit, plan))
-        return self._frame[1]
+        """The frame for a plan; the last ones are kept, and their textures serve every plan of the same shape."""
+        found = next((i for i, (kept, _) in enumerate(self._frames) if kept == key), None)
+        if found is not None:
+            self._frames.append(self._frames.pop(found))
+            return self._frames[-1][1]
+        plan: Plan = make()
+        same = next((i for i, (_, frame) in enumerate(self._frames) if frame.plan == plan), None)
+        if same is not None:
+            frame = self._frames.pop(same)[1]
+            frame.plan = plan  # other settings, the same targets
+        else:
+            while len(self._frames) >= self._keep:
+                self._frames.pop(0)[1].release()
+            frame = Frame(self._kit, plan)
+        self._frames.append((key, frame))
+        return frame
 
     def _report(self, settings: Settings, size: Size, frame: Frame, seconds: float) -> dict[str, Any]:
         return {
@@ -174,9 +201,9 @@ class Renderer:
         """Free everything, and the context if the renderer opened it. Calling it twice does no harm."""
         if self._scene is not None:
             self._scene.release()
-        if self._frame is not None:
-            self._frame[1].release()
-        self._scene, self._frame = None, None
+        for _, frame in self._frames:
+            frame.release()
+        self._scene, self._frames = None, []
         if not self.ctx.released:
             self._kit.release()
             self.ctx.release()

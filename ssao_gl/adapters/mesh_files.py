@@ -157,7 +157,8 @@ def _read(file: BinaryIO, kind: str, size: int, beside: Beside) -> Loaded:
     elif head.startswith(b"PK\x03\x04"):  # 3MF and its kin
         _check_zip(file, size)
         file.seek(0)
-    loaded = trimesh.load_scene(file, file_type=kind, resolver=beside, allow_remote=False)
+    # Unprocessed: trimesh would hide indices below 0, drop triangles with NaN, and weld whatever is closer than 1e-8 units.
+    loaded = trimesh.load_scene(file, file_type=kind, resolver=beside, allow_remote=False, process=False)
     return Loaded(loaded, kind, cameras, beside.missing)
 
 

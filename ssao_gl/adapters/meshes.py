@@ -16,7 +16,7 @@ from ..camera import Camera, Perspective
 from ..errors import SceneError
 from ..files import unreadable
 from ..images import PICTURES
-from ..normals import crease_normals
+from ..normals import crease_normals, weld
 from ..scene import Draw, Scene
 
 if TYPE_CHECKING:
@@ -56,7 +56,8 @@ def load(path: Path | str, *, crease: float = CREASE, up: str = "auto") -> Scene
     try:
         with _quiet():
             loaded = mesh_files.read(path)
-            scene = from_trimesh(loaded.scene, crease=crease, up=_up(up, loaded.kind), name=path.name)
+            soup = loaded.kind not in mesh_files.GLTF
+            scene = from_trimesh(loaded.scene, crease=crease, up=_up(up, loaded.kind), name=path.name, weld_vertices=soup)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
     except (KeyboardInterrupt, SystemExit):
@@ -78,8 +79,12 @@ def from_trimesh(
     crease: float = CREASE,
     up: tuple[float, float, float] = AXES["y"],
     name: str = "",
+    weld_vertices: bool = False,
 ) -> Scene:
-    """A :class:`~ssao_gl.Scene` from a ``trimesh.Trimesh`` or ``trimesh.Scene``; instances share one geometry."""
+    """A :class:`~ssao_gl.Scene` from a ``trimesh.Trimesh`` or ``trimesh.Scene``; instances share one geometry.
+
+    weld_vertices: vertices at the same place become one where normals must be made, so that they are smooth.
+    """
     import trimesh
 
     if isinstance(source, trimesh.Trimesh):
@@ -94,7 +99,7 @@ def from_trimesh(
     for key, transforms in places.items():
         geometry = source.geometry.get(key)
         if isinstance(geometry, trimesh.Trimesh) and len(geometry.faces):
-            draws.append(_draw(geometry, np.stack(transforms), key, crease))
+            draws.append(_draw(geometry, np.stack(transforms), key, crease, weld_vertices))
     if not draws:
         kinds = sorted({type(geometry).__name__ for geometry in source.geometry.values()} - {"Trimesh"})
         raise SceneError("holds no triangles" + (f", only {', '.join(kinds)}" if kinds else ""))
@@ -105,27 +110,46 @@ def from_trimesh(
     return scene
 
 
-def _draw(mesh: trimesh.Trimesh, transforms: NDArray[np.float64], name: str, crease: float) -> Draw:
+def _draw(mesh: trimesh.Trimesh, transforms: NDArray[np.float64], name: str, crease: float, soup: bool) -> Draw:
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
     low, high = int(faces.min()), int(faces.max())
     if low < 0 or high >= len(vertices):
         raise SceneError(
             f"mesh '{name}': a triangle names vertex {low if low < 0 else high}; there are 0 to {len(vertices) - 1}"
         )
-    positions, transforms = _centered(vertices, transforms, name)
+    positions, transforms = _centered(_finite(vertices, faces, name), transforms, name)
     triangles = faces.astype(np.uint32)
     color, vertex_colors = _colors(mesh, name)
-    normals, source = None, None
+    normals = None
     if "vertex_normals" in mesh._cache:  # read from the file, not computed by trimesh
         normals = np.asarray(mesh.vertex_normals, np.float32)
     elif crease > 0:
+        if soup:
+            positions, triangles, source = weld(positions, triangles, vertex_colors)
+            vertex_colors = _picked(vertex_colors, source)
         positions, triangles, normals, source = crease_normals(positions, triangles, crease)
+        vertex_colors = _picked(vertex_colors, source)
     visual: Any = mesh.visual
     if visual.kind == "face":
         vertex_colors = _face_means(np.asarray(visual.face_colors), triangles, len(positions))
-    elif vertex_colors is not None and source is not None:
-        vertex_colors = vertex_colors[source]
     return Draw(positions, triangles, normals, color, vertex_colors, transforms, name)
+
+
+def _picked(values: NDArray[np.uint8] | None, source: NDArray[np.int64] | None) -> NDArray[np.uint8] | None:
+    return values if values is None or source is None else values[source]
+
+
+def _finite(vertices: NDArray[np.float64], faces: NDArray[np.int64], name: str) -> NDArray[np.float64]:
+    """Vertices without NaN and infinity. Scanners use them for points that were not seen, which no triangle may name."""
+    if math.isfinite(vertices.min()) and math.isfinite(vertices.max()):
+        return vertices
+    broken = ~np.isfinite(vertices.sum(1))
+    named = int(broken[faces].any(1).sum())
+    if named:
+        raise SceneError(
+            f"mesh '{name}': {named} of {len(faces)} triangles have vertices that are not finite numbers (NaN or infinity)"
+        )
+    return np.where(broken[:, None], vertices[faces[0, 0]], vertices)
 
 
 def _centered(
@@ -133,9 +157,6 @@ def _centered(
 ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     """Vertices as 32-bit floats, about their middle where they lie far from the origin: there floats are too coarse."""
     box = np.stack([vertices.min(0), vertices.max(0)])
-    if not np.isfinite(box).all():
-        broken = int((~np.isfinite(vertices)).any(1).sum())
-        raise SceneError(f"mesh '{name}': {broken} of {len(vertices)} vertices are not finite numbers (NaN or infinity)")
     _check_span(f"mesh '{name}'", box)
     middle = box.mean(0)
     if np.abs(middle).max() <= FAR * (box[1] - box[0]).max():
