@@ -59,7 +59,7 @@ class Rotation:
         count = self.tile * self.tile
         rng = np.random.default_rng(self.seed)
         if self.distribution == "stratified":
-            order = _bayer(self.tile) if self.tile & (self.tile - 1) == 0 else rng.permutation(count)
+            order = bayer(self.tile) if self.tile & (self.tile - 1) == 0 else rng.permutation(count)
             turns = (order + 0.5) / count
         else:
             turns = rng.random(count)
@@ -77,7 +77,7 @@ def radical_inverse(index: int) -> float:
     return value
 
 
-def _bayer(size: int) -> NDArray[np.int64]:
+def bayer(size: int) -> NDArray[np.int64]:
     """The ordered-dither matrix (size a power of two), flattened: neighbours differ as much as they can."""
     matrix = np.zeros((1, 1), np.int64)
     while len(matrix) < size:

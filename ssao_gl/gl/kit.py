@@ -68,7 +68,7 @@ class Kit:
         self._corner = mgl.buffer(np.array([-1, -1, 3, -1, -1, 3], "f4").tobytes())
         self._programs: dict[Any, Program] = {}
         self._triangles: dict[Any, moderngl.VertexArray] = {}
-        self._lookups: dict[bytes, moderngl.Texture] = {}
+        self._lookups: dict[Any, moderngl.Texture] = {}
         # Samplers of our own: a caller's sampler left on a unit, or a caller's texture with comparison or filtering
         # on, would otherwise change what we read.
         self._clamp = self._sampler(repeat=False)
@@ -99,12 +99,12 @@ class Kit:
         return program, vao
 
     def lookup(self, values: NDArray[np.float32]) -> moderngl.Texture:
-        """A small float texture of ``values`` (h, w, 2), made once, to be read with ``repeat``."""
-        key = values.tobytes()
+        """A small float texture of ``values`` (h, w, channels), made once, to be read with ``repeat``."""
+        key = values.shape, values.tobytes()
         texture = self._lookups.get(key)
         if texture is None:
-            h, w = values.shape[:2]
-            texture = self._lookups[key] = self.ctx.mgl.texture((w, h), 2, values.astype("f4").tobytes(), dtype="f4")
+            h, w, channels = values.shape
+            texture = self._lookups[key] = self.ctx.mgl.texture((w, h), channels, values.astype("f4").tobytes(), dtype="f4")
         return texture
 
     def bind(self, unit: int, texture: moderngl.Texture, *, repeat: bool = False) -> None:

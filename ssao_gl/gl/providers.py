@@ -6,7 +6,8 @@ import ctypes
 import importlib.util
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,7 +57,22 @@ def _angle() -> Context:
     import comfy_angle
 
     library = egl.Egl(comfy_angle.get_egl_path(), comfy_angle.get_glesv2_path())
-    return _from_egl("angle", egl.open_context(library, egl.angle_display(library), es=True), "es")
+    with _silent():  # ANGLE writes to the terminal where it finds no Vulkan; the reason is in the error as well
+        opened = egl.open_context(library, egl.angle_display(library), es=True)
+    return _from_egl("angle", opened, "es")
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Standard error of the whole process, libraries in C too, goes nowhere."""
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def _swiftshader() -> Context:
