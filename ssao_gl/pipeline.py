@@ -24,7 +24,7 @@ RESOURCES: Mapping[str, str] = {
     "image": "image",
     "visibility": "visibility",
     "depth": "z",
-    "normal": "normal",
+    "normal": "shading_normal",
     "color": "color",
 }
 """AOV -> resource of the graph."""
@@ -57,6 +57,14 @@ class Settings:
     method: Method = field(default_factory=Alchemy)
     blur: Blur | None = field(default_factory=Joint)
     shading: Shading = field(default_factory=Shading)
+    normals: str = setting(
+        "geometric",
+        "what occlusion goes by: the triangles' own normals, as rays do, or the mesh's smooth ones",
+        choices=("geometric", "shading"),
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
 
     def with_radius(self, radius: float) -> Settings:
         """These settings with an automatic radius settled to ``radius`` scene units."""
@@ -74,6 +82,7 @@ class Settings:
             "blur": self.blur.name if self.blur else "none",
             **({f"blur_{self.blur.name}": as_table(self.blur)} if self.blur else {}),
             "shading": as_table(self.shading),
+            "normals": self.normals,
         }
 
 
@@ -108,12 +117,19 @@ def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)
     from .passes.gbuffer import gbuffer, layer_behind
 
     passes = [
-        gbuffer(settings.shading.background_rgb),
+        gbuffer(settings.shading.background_rgb, geometric=settings.normals == "geometric"),
         layer_behind(),
         *_after_gbuffer(settings),
         screen.composite(settings.shading.ambient, direct=True),
     ]
     return compile(passes, size, resources(aovs), notes=_notes(settings))
+
+
+def plan_filter(blur: Blur, size: Size) -> Plan:
+    """The plan that filters a visibility from elsewhere, the input ``given``, by the depth and normals of a scene."""
+    from .passes.gbuffer import gbuffer
+
+    return compile([gbuffer(Shading().background_rgb, geometric=True), screen.pack(), *blur.passes()], size, ["visibility"], ["given"])
 
 
 def plan_apply(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.metadata
 import time
 from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,21 @@ from .scene import RADIUS_SHARE, Scene
 MAX_SIDE = 1 << 16
 
 
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+
+def _current(method: Callable[Concatenate[Renderer, Arguments], Result]) -> Callable[Concatenate[Renderer, Arguments], Result]:
+    """Run a method with the renderer's context current, and leave a caller's own context as it was."""
+
+    @functools.wraps(method)
+    def on_own_context(self: Renderer, /, *given: Arguments.args, **named: Arguments.kwargs) -> Result:
+        with self.ctx.current():
+            return method(self, *given, **named)
+
+    return on_own_context
+
+
 class Renderer:
     """Renders scenes, and applies occlusion to arrays, on one GL context that it opens or is given.
 
@@ -41,11 +57,16 @@ class Renderer:
     def __init__(self, provider: str | Context = "auto", *, keep: int = 1) -> None:
         """``keep``: how many plans' textures stay when settings change; more than 1 for those who go to and fro."""
         self.ctx = provider if isinstance(provider, Context) else gl.open(provider)
-        self._kit = Kit(self.ctx)
+        self._opened = self.ctx is not provider
+        with self.ctx.current():
+            self._kit = Kit(self.ctx)
+        if self._opened:
+            self.ctx.leave()
         self._keep = keep
         self._frames: list[tuple[Any, Frame]] = []  # the last one used is last
         self._scene: SceneOnGpu | None = None
 
+    @_current
     def render(
         self,
         scene: Scene,
@@ -74,6 +95,7 @@ class Renderer:
             report | {"camera": (used.name if used else "") or "unnamed", "scene": scene.name, "triangles": scene.triangles},
         )
 
+    @_current
     def time(
         self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
     ) -> list[PassTime]:
@@ -82,6 +104,7 @@ class Renderer:
         frame.run(view, context=self._scene, timed=True)
         return frame.times
 
+    @_current
     def frame(
         self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
     ) -> Callable[[], object]:
@@ -109,6 +132,7 @@ class Renderer:
             self._scene = SceneOnGpu(self._kit, scene)
         self._scene.camera = camera
 
+    @_current
     def apply(
         self,
         depth: NDArray[Any],
@@ -152,6 +176,7 @@ class Renderer:
                 texture.release()
         return Picture(arrays, report)
 
+    @_current
     def filter(
         self, scene: Scene, camera: Camera, size: Size, visibility: NDArray[Any], blur: Blur
     ) -> tuple[NDArray[np.float32], list[PassTime]]:
@@ -199,13 +224,16 @@ class Renderer:
 
     def release(self) -> None:
         """Free everything, and the context if the renderer opened it. Calling it twice does no harm."""
-        if self._scene is not None:
-            self._scene.release()
-        for _, frame in self._frames:
-            frame.release()
-        self._scene, self._frames = None, []
-        if not self.ctx.released:
+        if self.ctx.released:
+            return
+        with self.ctx.current():
+            if self._scene is not None:
+                self._scene.release()
+            for _, frame in self._frames:
+                frame.release()
+            self._scene, self._frames = None, []
             self._kit.release()
+        if self._opened:
             self.ctx.release()
 
     def __enter__(self) -> Renderer:
@@ -280,6 +308,8 @@ def _radius_of(depth: NDArray[np.float32], camera: Camera, kind: str) -> float:
 def _aov(frame: Frame, name: str, *, alpha: bool = False) -> NDArray[Any]:
     """An AOV of a drawn frame, as :class:`Picture` documents it."""
     resource = RESOURCES[name]
+    if resource not in frame.plan.where:  # arrays come with one kind of normals
+        resource = name
     array = flipped(frame.read(resource))
     if name == "visibility":
         return array[..., 0].astype(np.float32) / 255

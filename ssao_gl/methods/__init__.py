@@ -38,6 +38,7 @@ class Method(Protocol):
     """Fragment shader, below ``shaders/``."""
     exceptions: ClassVar[Mapping[str, Deviation]]
     """Contracts (see ``tests/gl/test_contract.py``) that the published definition breaks. Empty for good methods."""
+    # Optional: presets: ClassVar[Mapping[str, Mapping[str, Any]]], name -> values of fields; the report sweeps over them.
 
     @property
     def radius(self) -> Any: ...

@@ -36,6 +36,12 @@ class Alchemy:
     shader: ClassVar[str] = "methods/alchemy.frag"
     samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
+        "draft": {"samples": 4},
+        "low": {"samples": 8},
+        "medium": {"samples": 16},
+        "high": {"samples": 32},
+    }
 
     radius: float | None = setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
     samples: int = setting(12, "taps a pixel", low=1, high=128)

@@ -39,6 +39,7 @@ class Lecture:
         "far plane": Deviation(0.25, "footprint and depth window are shares of the far distance"),
         "border": Deviation(0.5, "taps outside the image read its border"),
     }
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {str(taps): {"samples": taps} for taps in (4, 8, 16)}
 
     radius: float = setting(
         0.08, "footprint at depth 0, shrinking to 0 at the far plane", unit="share of the image", low=0, high=2

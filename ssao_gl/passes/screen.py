@@ -63,6 +63,15 @@ def occlusion(method: Method, *, packed: bool) -> Pass:
     return Pass(method.name, tuple(method.samplers.values()), writes, draw)
 
 
+def pack() -> Pass:
+    """Visibility ``given`` by the caller, and depth, to the ``raw`` that filters read."""
+
+    def draw(stage: Stage) -> None:
+        stage.fullscreen("pack.frag", {}, {"u_given": "given", "u_z": "z"}, defines={"PACKED": 1})
+
+    return Pass("pack", ("given", "z"), {"raw": Tex("r32f")}, draw)
+
+
 def composite(ambient: float, *, direct: bool) -> Pass:
     """``image``: colour times light, its ambient share dimmed by visibility. ``direct``: alpha of colour is direct light."""
 
