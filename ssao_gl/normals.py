@@ -14,8 +14,11 @@ CHUNK = 1 << 18
 BUCKETS = 16
 F32 = NDArray[np.float32]
 U32 = NDArray[np.uint32]
-Source = NDArray[np.int64]
+Source = NDArray[np.uint32]
 """For each new vertex the old one that it copies."""
+
+MANY = 64
+"""Faces at a vertex from which not every pair of them is compared: the tip of a finely divided cone has thousands."""
 
 
 def weld(positions: F32, triangles: U32, colors: NDArray[np.uint8] | None = None) -> tuple[F32, U32, Source | None]:
@@ -33,17 +36,22 @@ def weld(positions: F32, triangles: U32, colors: NDArray[np.uint8] | None = None
         _, index, inverse = np.unique(keys[rows], return_index=True, return_inverse=True)
         first[rows] = rows[index][inverse]
     del keys
-    itself = np.arange(count, dtype=np.uint32)
+    kept = np.empty(count, bool)
     for part in _parts(count):
+        itself = np.arange(part.start, part.start + len(first[part]), dtype=np.uint32)
         same = (positions[first[part]] == positions[part]).all(1)
         if colors is not None:
             same &= (colors[first[part]] == colors[part]).all(1)
-        first[part] = np.where(same, first[part], itself[part])  # two places may have one key
-    kept = first == itself
+        first[part] = np.where(same, first[part], itself)  # two places may have one key
+        kept[part] = first[part] == itself
     if kept.all():
         return positions, triangles, None
-    number = np.cumsum(kept, dtype=np.uint32)[first] - np.uint32(1)
-    return positions[kept], number[triangles], np.flatnonzero(kept)
+    number = np.cumsum(kept, dtype=np.uint32)
+    number -= 1
+    welded = np.empty_like(triangles)
+    for part in _parts(len(triangles)):
+        welded[part] = number[first[triangles[part]]]
+    return positions[kept], welded, np.flatnonzero(kept).astype(np.uint32)
 
 
 def _keys(positions: F32, colors: NDArray[np.uint8] | None) -> NDArray[np.uint64]:
@@ -72,7 +80,7 @@ def crease_normals(positions: F32, triangles: U32, crease: float) -> tuple[F32, 
     smooth = np.zeros((count, 3), np.float32)
     for chosen in _parts(len(triangles)):
         part = triangles[chosen]
-        face, angles = _faces(positions, part)
+        face, angles = _face_normals(positions, part), _angles(positions, part)
         for corner in range(3):
             for axis in range(3):
                 weights = angles[:, corner] * face[:, axis]
@@ -84,7 +92,7 @@ def crease_normals(positions: F32, triangles: U32, crease: float) -> tuple[F32, 
     sharp = np.zeros(count, bool)
     for chosen in _parts(len(triangles)):
         part = triangles[chosen]
-        face, _ = _faces(positions, part)
+        face = _face_normals(positions, part)
         off = np.einsum("tcx,tx->tc", smooth[part], face) < math.cos(min(crease, math.pi) / 2)
         sharp[part[off]] = True
     if not sharp.any():
@@ -94,46 +102,84 @@ def crease_normals(positions: F32, triangles: U32, crease: float) -> tuple[F32, 
 
 def _split(
     positions: F32, triangles: U32, smooth: F32, sharp: NDArray[np.bool_], crease: float
-) -> tuple[F32, U32, F32, NDArray[np.int64]]:
+) -> tuple[F32, U32, F32, Source]:
     """Give each corner at a sharp vertex the normal of the faces around it that are within the crease of its own."""
-    at_sharp = np.flatnonzero(sharp[triangles].ravel())
-    vertex = triangles.ravel()[at_sharp].astype(np.int64)
-    at_sharp = at_sharp[np.argsort(vertex, kind="stable")]
-    vertex = np.sort(vertex, kind="stable")
-    face, angles = _faces(positions, triangles[at_sharp // 3])
-    weighted = face * angles[np.arange(len(at_sharp)), at_sharp % 3][:, None]
+    corners = triangles.ravel()
+    kept = np.flatnonzero(~sharp)
+    before = np.zeros(len(positions) + 1, np.int64)  # corners at sharp vertices up to each
+    for part in _parts(len(corners)):
+        np.add.at(before, corners[part] + np.uint32(1), sharp[corners[part]])
+    np.cumsum(before, out=before)
+    # Every corner may need a vertex of its own; pages that stay empty cost nothing.
+    source = np.empty(len(kept) + before[-1], np.uint32)
+    normals = np.empty((len(source), 3), np.float32)
+    made = len(kept)
+    source[:made], normals[:made] = kept, smooth[kept]
+    number = np.cumsum(~sharp, dtype=np.uint32)
+    number -= 1
+    split = number[corners]
+    low = 0
+    while low < len(positions):
+        high = max(int(np.searchsorted(before, before[low] + CHUNK, "right")) - 1, low + 1)
+        here = np.flatnonzero((corners >= low) & (corners < high))
+        here = here[sharp[corners[here]]]
+        if len(here):
+            here = here[np.argsort(corners[here], kind="stable")]
+            vertex, normal, which = _corner_normals(positions, triangles, smooth, here, crease)
+            end = made + len(vertex)
+            source[made:end], normals[made:end] = vertex, normal
+            split[here] = made + which
+            made = end
+        low = high
+    return positions[source[:made]], split.reshape(-1, 3), normals[:made], source[:made]
+
+
+def _corner_normals(
+    positions: F32, triangles: U32, smooth: F32, corners: NDArray[np.int64], crease: float
+) -> tuple[U32, F32, NDArray[np.int64]]:
+    """New vertices (the old one of each, its normal) for some corners, in order of their vertices, and which each gets."""
+    part = triangles[corners // 3]
+    vertex = triangles.ravel()[corners]
+    face, angles = _face_normals(positions, part), _angles(positions, part)
+    weighted = face * angles[np.arange(len(corners)), corners % 3][:, None]
     first = np.searchsorted(vertex, vertex, "left")
     valence = np.searchsorted(vertex, vertex, "right") - first
     place = np.arange(len(vertex)) - first
     normal = weighted.copy()
-    for step in range(1, int(valence.max())):
-        rows = np.flatnonzero(valence > step)
+    few = valence <= MANY
+    for step in range(1, int(valence[few].max(initial=0))):
+        rows = np.flatnonzero(few & (valence > step))
         other = first[rows] + (place[rows] + step) % valence[rows]
         close = np.einsum("ij,ij->i", face[rows], face[other]) >= math.cos(min(crease, math.pi))
         normal[rows[close]] += weighted[other[close]]
+    rows = np.flatnonzero(~few)  # the average where it is close to the face, else the face's own
+    close = np.einsum("ij,ij->i", face[rows], smooth[vertex[rows]]) >= math.cos(min(crease, math.pi) / 2)
+    normal[rows] = np.where(close[:, None], smooth[vertex[rows]], face[rows])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
     # Corners of one vertex that got the same normal share a new vertex.
-    key = np.column_stack([vertex, np.round(normal * 8191).astype(np.int64)])
-    unique, index, inverse = np.unique(key, axis=0, return_index=True, return_inverse=True)
-    source = np.concatenate([np.arange(len(positions)), unique[:, 0]])
-    corners = triangles.ravel().copy()
-    corners[at_sharp] = len(positions) + inverse.ravel()
-    used = np.zeros(len(source), bool)
-    used[corners] = True
-    renumber = np.cumsum(used) - 1
-    normals = np.concatenate([smooth, normal[index].astype(np.float32)])[used]
-    source = source[used]
-    return positions[source], renumber[corners].astype(np.uint32).reshape(-1, 3), normals, source
+    x, y, z = np.round(normal * 8191).astype(np.int64).T + 8191
+    key = (np.cumsum(place == 0) << 42) + (x << 28) + (y << 14) + z
+    _, index, which = np.unique(key, return_index=True, return_inverse=True)
+    return vertex[index], normal[index], which
 
 
-def _faces(positions: F32, triangles: U32) -> tuple[F32, F32]:
-    """Unit normals (t, 3), zero for degenerate triangles, and corner angles (t, 3) in radians."""
-    a, b, c = (positions[triangles[:, k]].astype(np.float64) for k in range(3))
-    edges = [b - a, c - b, a - c]
-    normal = np.cross(edges[0], -edges[2])
+def _corner_points(positions: F32, triangles: U32) -> list[NDArray[np.float64]]:
+    return [positions[triangles[:, k]].astype(np.float64) for k in range(3)]
+
+
+def _face_normals(positions: F32, triangles: U32) -> F32:
+    """Unit normals (t, 3), zero for degenerate triangles."""
+    a, b, c = _corner_points(positions, triangles)
+    normal = np.cross(b - a, c - a)
     length = np.linalg.norm(normal, axis=1, keepdims=True)
-    normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
-    units = [e / np.maximum(np.linalg.norm(e, axis=1, keepdims=True), 1e-300) for e in edges]
+    unit: F32 = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0).astype(np.float32)
+    return unit
+
+
+def _angles(positions: F32, triangles: U32) -> F32:
+    """Angles (t, 3) at the corners, radians."""
+    a, b, c = _corner_points(positions, triangles)
+    units = [e / np.maximum(np.linalg.norm(e, axis=1, keepdims=True), 1e-300) for e in (b - a, c - b, a - c)]
     cosines = [-(units[k] * units[k - 1]).sum(1) for k in range(3)]
-    angles = np.arccos(np.clip(np.stack(cosines, 1), -1, 1))
-    return normal.astype(np.float32), angles.astype(np.float32)
+    angles: F32 = np.arccos(np.clip(np.stack(cosines, 1), -1, 1)).astype(np.float32)
+    return angles

@@ -135,7 +135,7 @@ def _draw(mesh: trimesh.Trimesh, transforms: NDArray[np.float64], name: str, cre
     return Draw(positions, triangles, normals, color, vertex_colors, transforms, name)
 
 
-def _picked(values: NDArray[np.uint8] | None, source: NDArray[np.int64] | None) -> NDArray[np.uint8] | None:
+def _picked(values: NDArray[np.uint8] | None, source: NDArray[np.uint32] | None) -> NDArray[np.uint8] | None:
     return values if values is None or source is None else values[source]
 
 
