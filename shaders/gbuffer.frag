@@ -1,4 +1,4 @@
-// Linear depth (scene units), view-space normal turned to the viewer, base colour with the direct light in alpha.
+// Linear depth (scene units), view-space normals turned to the viewer, base colour with the direct light in alpha.
 // Each target is there only when some pass reads it.
 #needs es300
 #include "lib/normal.glsl"
@@ -23,6 +23,9 @@ layout(location = DEPTH_TARGET) out vec4 out_z;
 #ifdef NORMAL_TARGET
 layout(location = NORMAL_TARGET) out vec4 out_normal;
 #endif
+#ifdef SHADING_NORMAL_TARGET
+layout(location = SHADING_NORMAL_TARGET) out vec4 out_shading_normal;
+#endif
 #ifdef COLOR
 layout(location = COLOR) out vec4 out_color;
 #endif
@@ -42,15 +45,23 @@ void main() {
     // Scaled first: the square of a tiny area would vanish in 32-bit floats.
     seen /= max(max(abs(seen.x), abs(seen.y)), max(abs(seen.z), 1e-37));
     float area2 = dot(seen, seen);
-    vec3 n = area2 > 0.0 ? seen * inversesqrt(area2) : vec3(0.0, 0.0, 1.0);
+    vec3 geometric = area2 > 0.0 ? seen * inversesqrt(area2) : vec3(0.0, 0.0, 1.0);
+    vec3 n = geometric;
 #ifdef SMOOTH
     // The interpolated normal, on that side; where it is missing or vanishes the triangle's own stays.
     float length2 = dot(v_normal, v_normal);
     vec3 smoothed = v_normal * inversesqrt(max(length2, 1e-37));
-    if (length2 > 1e-37) n = dot(smoothed, n) < 0.0 ? -smoothed : smoothed;
+    if (length2 > 1e-37) n = dot(smoothed, geometric) < 0.0 ? -smoothed : smoothed;
 #endif
 #ifdef NORMAL_TARGET
+#ifdef GEOMETRIC
+    out_normal = vec4(ssao_encode_normal(geometric), 0.0, 0.0);
+#else
     out_normal = vec4(ssao_encode_normal(n), 0.0, 0.0);
+#endif
+#endif
+#ifdef SHADING_NORMAL_TARGET
+    out_shading_normal = vec4(ssao_encode_normal(n), 0.0, 0.0);
 #endif
 #ifdef COLOR
 #ifdef VERTEX_COLOR

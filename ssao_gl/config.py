@@ -16,6 +16,10 @@ from .pipeline import Settings, Shading
 from .settings import assign
 
 
+NAMES = ("method", "blur", "normals")
+"""Settings of their own, in no group."""
+
+
 def read_toml(path: Path) -> dict[str, Any]:
     """A settings file: ``method`` and ``blur`` by name, and tables ``[blur]``... see :func:`settings_from`. Raises SettingsError."""
     if reason := unreadable(path, empty=True):
@@ -37,13 +41,14 @@ def settings_from(
     """Settings in rising order of precedence: defaults, ``table`` (from TOML), names, ``group.key=value`` texts, overrides.
 
     Groups are ``shading``, ``blur`` (the chosen filter) and the name of the chosen method; a key without a group is the
-    method's. ``overrides`` are fields of the method. Raises SettingsError naming what is unknown.
+    method's, but for ``normals``. ``overrides`` are fields of the method. Raises SettingsError naming what is unknown.
     """
     table = dict(table or {})
     chosen: dict[str, Any] = {
         "method": method(method_name or _text(table, "method", "alchemy")),
         "blur": blur(blur_name or _text(table, "blur", "joint")),
         "shading": Shading(),
+        "normals": _text(table, "normals", "geometric"),
     }
     name = chosen["method"].name
     groups = {name: "method", "method": "method", "shading": "shading"}
@@ -62,14 +67,15 @@ def settings_from(
     for key, value in table.items():
         if isinstance(value, Mapping):
             put(key, value)
-        elif key not in ("method", "blur"):
-            raise SettingsError(
-                f"unknown setting '{key}'; groups are tables, like [{name}].{near_miss(key, ['method', 'blur'])}"
-            )
+        elif key not in NAMES:
+            raise SettingsError(f"unknown setting '{key}'; groups are tables, like [{name}].{near_miss(key, NAMES)}")
     for text in assignments:
         key, equals, value = text.partition("=")
         if not equals:
             raise SettingsError(f"--set {text}: must be key=value or group.key=value")
+        if key.strip() == "normals":
+            chosen["normals"] = value.strip()
+            continue
         group, dot, field = key.strip().partition(".")
         if dot and group in registry() and group != name:
             raise SettingsError(f"--set {text}: the method is {name}, not {group}; add --method {group}")

@@ -18,7 +18,7 @@ from ..methods import registry
 from ..passes.blur import BLURS
 from ..pipeline import Settings, Shading
 from ..scene import Scene
-from ..settings import limits
+from ..settings import limits, title
 from .output import parse_size, parse_vector
 
 
@@ -171,12 +171,12 @@ JsonOption = Annotated[
 
 def settings_help() -> str:
     """Every setting with unit, default and range, from the dataclasses themselves."""
-    groups = [*registry().values(), *BLURS.values(), Shading]
+    groups = [Settings, *registry().values(), *BLURS.values(), Shading]
     lines = ["Settings for --set and TOML files (group.key, default, unit, range):"]
     for kind in groups:
-        prefix = f"blur.{kind.name}" if kind in BLURS.values() else getattr(kind, "name", kind.__name__.lower())  # type: ignore[attr-defined]
-        lines.append(f"  {prefix}")
-        for field in dataclasses.fields(kind):
+        prefix = f"blur.{kind.name}" if kind in BLURS.values() else title(kind)
+        lines.append(f"  {prefix if kind is not Settings else '(no group)'}")
+        for field in (f for f in dataclasses.fields(kind) if "limits" in f.metadata):
             rule = limits(field)
             facts = ", ".join(
                 part for part in (f"{'auto' if field.default is None else field.default}", rule.unit, rule.describe()) if part

@@ -24,13 +24,16 @@ LIGHT = (-0.36, 0.48, 0.8)
 """Unit vector to the light in view space: over the viewer's left shoulder."""
 
 
-def gbuffer(background: Sequence[float]) -> Pass:
-    """The pass that draws a :class:`SceneOnGpu`, given as the frame's context. ``background``: sRGB in 0..1."""
-    targets = {"z": Tex("r32f"), "normal": Tex("rg16f"), "color": Tex("rgba8")}
-    clear = {"z": (0.0,) * 4, "normal": (0.0,) * 4, "color": (*background, 1.0)}
+def gbuffer(background: Sequence[float], *, geometric: bool) -> Pass:
+    """The pass that draws a :class:`SceneOnGpu`, given as the frame's context. ``background``: sRGB in 0..1.
+
+    ``geometric``: ``normal``, which occlusion reads, is the triangle's own; ``shading_normal`` is the mesh's always.
+    """
+    targets = {"z": Tex("r32f"), "normal": Tex("rg16f"), "shading_normal": Tex("rg16f"), "color": Tex("rgba8")}
+    clear = dict.fromkeys(targets, (0.0,) * 4) | {"color": (*background, 1.0)}
 
     def draw(stage: Stage) -> None:
-        _draw_scene(stage, [clear[name] for name in stage.step.writes], {})
+        _draw_scene(stage, [clear[name] for name in stage.step.writes], {}, {"GEOMETRIC": 1} if geometric else {})
 
     return Pass("gbuffer", (), targets, draw, depth="depth24")
 
@@ -40,13 +43,16 @@ def layer_behind() -> Pass:
 
     def draw(stage: Stage) -> None:
         stage.kit.bind(0, stage.textures["z"])
-        _draw_scene(stage, [(0.0,) * 4], {"u_front": 0, "u_texel": stage.view.constants["u_texel"]})
+        uniforms = {"u_front": 0, "u_texel": stage.view.constants["u_texel"]}
+        _draw_scene(stage, [(0.0,) * 4], uniforms, {"BEHIND": 1})
 
     return Pass("layer behind", ("z",), {"z2": Tex("r32f")}, draw, depth="depth24")
 
 
-def _draw_scene(stage: Stage, clear: Sequence[tuple[float, ...]], behind: Mapping[str, Any]) -> None:
-    """Clear the targets and draw the scene with a depth test; ``behind``: uniforms of a layer behind the first."""
+def _draw_scene(
+    stage: Stage, clear: Sequence[tuple[float, ...]], uniforms: Mapping[str, Any], defines: Mapping[str, int]
+) -> None:
+    """Clear the targets and draw the scene with a depth test, with some more uniforms and defines."""
     stage.target.use()
     gl = stage.kit.ctx.functions
     clear_buffer = gl("glClearBufferfv", None, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
@@ -54,7 +60,7 @@ def _draw_scene(stage: Stage, clear: Sequence[tuple[float, ...]], behind: Mappin
         clear_buffer(GL_COLOR, index, ctypes.addressof((ctypes.c_float * 4)(*color)))
     clear_buffer(GL_DEPTH, 0, ctypes.addressof(ctypes.c_float(1.0)))
     gl("glEnable", None, ctypes.c_uint)(GL_DEPTH_TEST)
-    stage.context.draw(stage.view, stage.step.writes, behind)
+    stage.context.draw(stage.view, stage.step.writes, uniforms, defines)
     gl("glDisable", None, ctypes.c_uint)(GL_DEPTH_TEST)
 
 
@@ -97,11 +103,8 @@ class SceneOnGpu:
             buffer.write(np.ascontiguousarray(part(slice(start, start + CHUNK))), offset=start * stride)
         return buffer
 
-    def draw(self, view: View, writes: Sequence[str], behind: Mapping[str, Any] | None = None) -> None:
-        """Draw everything into the bound framebuffer, whose targets are ``writes`` in this order.
-
-        ``behind``: draw only what lies behind the layer that these uniforms describe.
-        """
+    def draw(self, view: View, writes: Sequence[str], uniforms: Mapping[str, Any], defines: Mapping[str, int]) -> None:
+        """Draw everything into the bound framebuffer, whose targets are ``writes`` in this order."""
         assert self.camera is not None
         to_view = np.asarray(np.linalg.inv(self.camera.pose), np.float64)
         from_center = to_view.copy()
@@ -111,11 +114,10 @@ class SceneOnGpu:
             "u_view": tuple(from_center.T.ravel()),
             "u_projection": tuple(projection.T.ravel()),
             "u_light": LIGHT,
-            **(behind or {}),
+            **uniforms,
         }
         for number, (draw, buffers, index) in enumerate(self._draws):
-            defines = _defines(draw, writes) | ({"BEHIND": 1} if behind else {})
-            program = self._kit.program("gbuffer.vert", "gbuffer.frag", defines)
+            program = self._kit.program("gbuffer.vert", "gbuffer.frag", {**_defines(draw, writes, defines), **defines})
             key = (number, program)
             vao = self._arrays.get(key)
             if vao is None:
@@ -160,14 +162,24 @@ def fit_depth_range(view: View, nearest: float, farthest: float) -> Matrix:
     return m
 
 
-def _defines(draw: Draw, writes: Sequence[str]) -> dict[str, int]:
-    defines: dict[str, int] = {"TARGETS": len(writes)}
-    names = {"z": "DEPTH_TARGET", "z2": "DEPTH_TARGET", "normal": "NORMAL_TARGET", "color": "COLOR"}
-    defines.update({names[name]: index for index, name in enumerate(writes)})
-    if "normal" in writes or "color" in writes:
+TARGETS = {
+    "z": "DEPTH_TARGET",
+    "z2": "DEPTH_TARGET",
+    "normal": "NORMAL_TARGET",
+    "shading_normal": "SHADING_NORMAL_TARGET",
+    "color": "COLOR",
+}
+"""Resource -> the define that makes the shader write it."""
+
+
+def _defines(draw: Draw, writes: Sequence[str], given: Mapping[str, int]) -> dict[str, int]:
+    """What the shader of a mesh must do, and no more."""
+    defines: dict[str, int] = {"TARGETS": len(writes)} | {TARGETS[name]: index for index, name in enumerate(writes)}
+    smooth = {"shading_normal", "color"} | (set() if "GEOMETRIC" in given else {"normal"})
+    if "normal" in writes or smooth & set(writes):
         defines["NORMAL"] = 1
-        if draw.normals is not None:
-            defines["SMOOTH"] = 1
+    if smooth & set(writes) and draw.normals is not None:
+        defines["SMOOTH"] = 1
     if "color" in writes and draw.vertex_colors is not None:
         defines["VERTEX_COLOR"] = 1
     return defines
