@@ -1,0 +1,111 @@
+"""What a report was made with: driver, versions, cores, commit. And what of the package its numbers depend on."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import os
+import platform
+import subprocess
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from .. import sources
+from ..gl.context import Context
+
+PACKAGES = ("ssao_gl", "numpy", "moderngl", "embreex", "scipy", "scikit-image", "flip-evaluator", "matplotlib", "trimesh")
+THREADS = ("LP_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
+PRESENTING = ("cli", "report")
+"""Folders of the package that change no measurement."""
+
+
+def machine(ctx: Context) -> dict[str, Any]:
+    """Everything that times may depend on."""
+    return {
+        "provider": ctx.provider,
+        "platform": ctx.platform,
+        "renderer": ctx.renderer,
+        "gl_version": ctx.version,
+        "software": ctx.software,
+        "cpu": _cpu(),
+        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        "threads": {name: os.environ[name] for name in THREADS if name in os.environ},
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "packages": {name: version for name in PACKAGES if (version := _version(name))},
+        "commit": commit(),
+    }
+
+
+def now() -> str:
+    """Date and time, UTC."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+@cache
+def code() -> str:
+    """Hash of the shaders and of all code that measurements go through: rows of another code are not mixed in."""
+    digest = hashlib.sha256()
+    package = Path(__file__).resolve().parent.parent
+    python = [path for path in package.rglob("*.py") if path.relative_to(package).parts[0] not in PRESENTING]
+    for path in sorted([*python, *(path for path in sources.root().rglob("*") if path.is_file())]):
+        digest.update(f"{path.name} {path.stat().st_size}".encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def commit() -> str | None:
+    """Commit of the checkout that this package runs from, with ``+`` when files differ from it; None outside of one."""
+    folder = Path(__file__).resolve().parent
+    try:
+        tracked = _git(folder, "ls-files", "--error-unmatch", "__init__.py")
+        return (
+            _git(folder, "rev-parse", "--short=12", "HEAD") + ("+" if _git(folder, "status", "--porcelain") else "")
+            if tracked
+            else None
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+
+
+def _git(folder: Path, *words: str) -> str:
+    ran = subprocess.run(["git", "-C", str(folder), *words], capture_output=True, text=True, check=True, timeout=20)
+    return ran.stdout.strip()
+
+
+def _version(package: str) -> str | None:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+def _cpu() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
+        return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or platform.machine()
+
+
+def facts(found: Mapping[str, Any]) -> dict[str, str]:
+    """What a reader must know of how results came about, in words."""
+    made, settings = found["machine"], found["settings"]
+    threads = ", ".join(f"{name}={value}" for name, value in made["threads"].items()) or "no thread variables set"
+    truth = settings["truth"]
+    return {
+        "OpenGL": f"{made['provider']}, {made['renderer']}, {made['gl_version']}",
+        "machine": f"{made['cpu']}, {made['cores']} cores, {threads}, {made['system']}",
+        "versions": f"Python {made['python']}, " + ", ".join(f"{k} {v}" for k, v in made["packages"].items()),
+        "commit": made["commit"] or "none",
+        "date": found["made"],
+        "truth": f"{truth['falloff']} falloff, {truth['normals']} normals, {truth['spp']} rays a pixel, seed {truth['seed']}",
+        "timing": f"{settings['rounds']} interleaved rounds after one that warms up; "
+        + ("wall clock, each pass waited for" if made["software"] else "GL's timer where there is one, else the wall clock"),
+        "fitted on": ", ".join(found["scenes"]["fit"]) or "nothing",
+        "held out": ", ".join(found["scenes"]["test"]) or "nothing",
+    }

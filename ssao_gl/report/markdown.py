@@ -1,0 +1,36 @@
+"""The report as Markdown: the plots by name, and every table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from .machine import facts
+from .plots import Plot
+from .tables import Table, tables, text
+
+
+def markdown(found: Mapping[str, Any], drawn: Sequence[Plot]) -> str:
+    """The whole text."""
+    parts = ["# Ambient occlusion: error against time", f"`{found['command']}`"]
+    parts += [f"![{plot.title}]({plot.name}.svg)" for plot in drawn]
+    parts += [f"## {table.title}\n\n{table.note}\n\n{grid(table)}" for table in tables(found)]
+    parts.append("## Made with\n\n" + "\n".join(f"- {name}: {value}" for name, value in facts(found).items()))
+    return "\n\n".join(parts) + "\n"
+
+
+def grid(table: Table) -> str:
+    """A table of GitHub's Markdown; numbers to the right."""
+    number = [bool(column.spec) for column in table.columns]
+    lines = [
+        "| " + " | ".join(_cell(column.title) for column in table.columns) + " |",
+        "|" + "|".join("---:" if right else "---" for right in number) + "|",
+    ]
+    for row in table.rows:
+        cells = [_cell(text(cell, column.spec)) for cell, column in zip(row, table.columns, strict=True)]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def _cell(words: str) -> str:
+    return " ".join(words.split()).replace("|", "\\|")

@@ -1,0 +1,232 @@
+"""The report's plots, by matplotlib: each as SVG for the page, and as SVG and PNG files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+from ..errors import SettingsError
+from .labels import Box, spread
+from .points import MEDIAN, place
+
+INK = "#454647"
+"""Colour of text and axes in the files; the page puts its own text colour there."""
+
+COLORS = ("#2a78b8", "#d9731a", "#2e9a4f", "#c23b3b", "#8862bd", "#8d6450", "#cf6db0", "#9a9a22", "#17a2b1", "#5b6770")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">")
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """A figure as two files' contents. ``name`` is the stem of the files."""
+
+    name: str
+    title: str
+    svg: str
+    png: bytes
+
+
+def plots(found: Mapping[str, Any]) -> list[Plot]:
+    """Every plot that the results have something for. Raises SettingsError without matplotlib."""
+    made = []
+    for at in found["sizes"]:
+        if at["shipped"]:
+            made.append(
+                _drawn(f"front-{at['size']}", f"Error against time, {at['size']}, as shipped", _front(at, at["shipped"]))
+            )
+        if at["fitted_held_out"]:
+            rays = [p for p in at["shipped_held_out"] if p["method"] == "rays"]
+            title = f"Error against time, {at['size']}, fitted"
+            made.append(_drawn(f"fitted-{at['size']}", title, _front(at, [*at["fitted_held_out"], *rays])))
+        made.append(_drawn(f"passes-{at['size']}", f"Time per pass, {at['size']}", _passes(at)))
+    if any("model" in row for row in found["rows"]["split"]):
+        made.append(_drawn("split", "Error split: model, sampling, filter", _split(found)))
+    if any("times" in row for row in found["rows"]["scaling"]):
+        made.append(_drawn("scaling", "Scaling", _scaling(found)))
+    return made
+
+
+def styles(names: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """method -> (colour, marker), the same in every plot of a report."""
+    return {name: (COLORS[i % len(COLORS)], MARKERS[i % len(MARKERS)]) for i, name in enumerate(names)}
+
+
+def _drawn(name: str, title: str, draw: Callable[[Any], None], size: tuple[float, float] = (9.0, 5.4)) -> Plot:
+    try:
+        import matplotlib
+    except ImportError:
+        raise SettingsError("plots need the package matplotlib: pip install 'ssao_gl[report]'") from None
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    colors = dict.fromkeys(("text.color", "axes.edgecolor", "axes.labelcolor", "xtick.color", "ytick.color"), INK)
+    # Glyphs as outlines, and ids that do not change from run to run.
+    settings: Any = {
+        "svg.fonttype": "path",
+        "svg.hashsalt": name,
+        "font.size": 10,
+        "axes.grid": True,
+        "grid.alpha": 0.3,
+        **colors,
+    }
+    with matplotlib.rc_context(settings):
+        figure = Figure(figsize=size, layout="constrained")
+        FigureCanvasAgg(figure)
+        draw(figure)
+        svg, png = BytesIO(), BytesIO()
+        figure.savefig(svg, format="svg", transparent=True, metadata={"Date": None})
+        figure.savefig(png, format="png", dpi=110, facecolor="white")
+    return Plot(name, title, svg.getvalue().decode(), png.getvalue())
+
+
+def _front(at: Mapping[str, Any], points: Sequence[Mapping[str, Any]]) -> Callable[[Any], None]:
+    def draw(figure: Any) -> None:
+        axes = figure.add_subplot()
+        axes.set_xscale("log")
+        style = styles(list(dict.fromkeys(p["method"] for p in at["shipped"])))
+        by_method: dict[str, list[Mapping[str, Any]]] = {}
+        for point in points:
+            by_method.setdefault(point["method"], []).append(point)
+        for name, some in by_method.items():
+            color, marker = style[name]
+            some = sorted(some, key=lambda p: place(p))
+            axes.plot(*zip(*map(place, some), strict=True), marker=marker, color=color, label=name, lw=1.2, ms=6, alpha=0.9)
+        best = sorted(place(p) for p in points if p["front"])
+        if best:
+            axes.step(*zip(*best, strict=True), where="post", color=INK, lw=5, alpha=0.18, label="Pareto front", zorder=1)
+        for still in at["constants"]:
+            axes.axhline(
+                still["errors"]["rmse"],
+                color=INK,
+                lw=1,
+                ls=":" if still["label"] == "constant 1" else "--",
+                label=still["label"],
+            )
+        _ranges(axes, at, [place(p) for p in points])
+        axes.set_xlabel("milliseconds after the G-buffer (log scale; upper axis: multiples of the lecture's 4-tap pass)")
+        axes.set_ylabel("RMSE against rays (mean over views)")
+        figure.legend(loc="outside right upper", frameon=False, fontsize=9)
+        _name(figure, axes, points, style)
+
+    return draw
+
+
+def _ranges(axes: Any, at: Mapping[str, Any], places: Sequence[tuple[float, float]]) -> None:
+    """Room around the points for their names, plain numbers on the time axis, and multiples of the yardstick above it."""
+    from matplotlib.ticker import FuncFormatter, LogLocator
+
+    times, errors = zip(*places, strict=True)
+    axes.set_xlim(min(times) / 1.35, max(times) * 1.6)
+    tops = [*errors, *(still["errors"]["rmse"] for still in at["constants"])]
+    axes.set_ylim(0, max(tops) * 1.08)
+    plain = FuncFormatter(lambda value, _: f"{value:g}")
+    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axes.xaxis.set_major_formatter(plain)
+    axes.xaxis.set_minor_formatter("")
+    yard = at["yardstick_ms"]
+    if yard:
+        above = axes.secondary_xaxis("top", functions=(lambda ms: ms / yard, lambda times: times * yard))
+        above.xaxis.set_major_locator(LogLocator(base=2, numticks=20))
+        above.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}×"))
+        above.xaxis.set_minor_formatter("")
+
+
+def _name(figure: Any, axes: Any, points: Sequence[Mapping[str, Any]], style: Mapping[str, tuple[str, str]]) -> None:
+    """Each point's name beside it, where nothing else is; front points in bold."""
+    figure.draw_without_rendering()  # settles where the axes are
+    renderer = figure.canvas.get_renderer()
+    texts = []
+    for point in points:
+        weight = "bold" if point["front"] else "normal"
+        color = style[point["method"]][0]
+        texts.append(axes.text(*place(point), point["label"], fontsize=8.5, color=color, weight=weight, zorder=5))
+    pixel = [tuple(axes.transData.transform(place(point))) for point in points]
+    sizes = [(box.width, box.height) for box in (text.get_window_extent(renderer) for text in texts)]
+    frame = axes.get_window_extent(renderer)
+    corners = spread(pixel, sizes, Box(frame.x0, frame.y0, frame.x1, frame.y1))
+    for text, at, corner, size in zip(texts, pixel, corners, sizes, strict=True):
+        text.set_position(axes.transData.inverted().transform(corner))
+        text.set_va("bottom")
+        middle = (corner[0] + size[0] / 2, corner[1] + size[1] / 2)
+        if abs(middle[0] - at[0]) > size[0] / 2 + 14 or abs(middle[1] - at[1]) > size[1] / 2 + 14:
+            near = (min(max(at[0], corner[0]), corner[0] + size[0]), min(max(at[1], corner[1]), corner[1] + size[1]))
+            line = [axes.transData.inverted().transform(p) for p in (at, near)]
+            axes.plot(*zip(*line, strict=True), color=text.get_color(), lw=0.6, alpha=0.7, zorder=2)
+
+
+def _bars(axes: Any, labels: Sequence[str], parts: Mapping[str, Sequence[float]], *, stacked: bool) -> None:
+    """Horizontal bars, one group for each label, the first on top."""
+    left = [0.0] * len(labels)
+    for number, (name, values) in enumerate(parts.items()):
+        shift = 0.0 if stacked else (number - (len(parts) - 1) / 2) * 0.8 / len(parts)
+        places = [i + shift for i in range(len(labels))]
+        height = 0.7 if stacked else 0.8 / len(parts)
+        axes.barh(places, values, height, left=left if stacked else None, label=name, color=COLORS[number])
+        if stacked:
+            left = [a + b for a, b in zip(left, values, strict=True)]
+    axes.set_yticks(range(len(labels)), labels)
+    axes.invert_yaxis()
+    axes.grid(axis="y", alpha=0)
+
+
+def _passes(at: Mapping[str, Any]) -> Callable[[Any], None]:
+    def draw(figure: Any) -> None:
+        axes = figure.add_subplot()
+        points = at["shipped"]
+        names = {"method": "method or rays", "filter": "filter", "other": "other passes"}
+        parts = {title: [p["wall"].get(name, 0.0) for p in points] for name, title in names.items()}
+        _bars(axes, [p["label"] for p in points], parts, stacked=True)
+        axes.set_xlabel("milliseconds after the G-buffer (means over views of medians)")
+        figure.legend(loc="outside right upper", frameon=False, fontsize=9)
+        figure.set_figheight(1.4 + 0.3 * len(points))
+
+    return draw
+
+
+def _split(found: Mapping[str, Any]) -> Callable[[Any], None]:
+    from .tables import tables
+
+    table = next(table for table in tables(found) if table.title == "Error split")
+
+    def draw(figure: Any) -> None:
+        axes = figure.add_subplot()
+        names = [column.title for column in table.columns]
+        parts = {
+            name: [float(row[names.index(name)] or 0) for row in table.rows]
+            for name in ("model", "sampling", "filter", "final")
+        }
+        _bars(axes, [str(row[0]) for row in table.rows], parts, stacked=False)
+        axes.set_xlabel("RMSE (mean over views)")
+        figure.legend(loc="outside right upper", frameon=False, fontsize=9)
+        figure.set_figheight(1.4 + 0.55 * len(table.rows))
+
+    return draw
+
+
+def _scaling(found: Mapping[str, Any]) -> Callable[[Any], None]:
+    from .scaling import AXES, exponents, series
+
+    rows = found["rows"]["scaling"]
+    slopes = {(row[0], row[1]): row[7] for row in exponents(rows)}
+
+    def draw(figure: Any) -> None:
+        style = styles(list(dict.fromkeys(row["variant"] for row in rows)))
+        every = figure.subplots(1, len(AXES))
+        for axes, (axis, title) in zip(every, AXES.items(), strict=True):
+            for (name, which), some in series(rows).items():
+                if which == axis:
+                    times = [row["times"]["total"]["wall"][MEDIAN] for row in some]
+                    slope = slopes[name, title]
+                    label = f"{name}, exponent {slope:.2f}" if slope is not None else name
+                    color, marker = style[name]
+                    axes.plot([row["value"] for row in some], times, color=color, marker=marker, label=label, lw=1.2, ms=5)
+            axes.set_xscale("log", base=10 if axis == "pixels" else 2)
+            axes.set_yscale("log")
+            axes.set_xlabel(title)
+            axes.legend(frameon=False, fontsize=8)
+        every[0].set_ylabel("milliseconds after the G-buffer")
+        figure.set_figwidth(14)
+
+    return draw

@@ -1,0 +1,235 @@
+"""The report's tables as data: one source for the page, for Markdown and for tests."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from . import pareto
+from .numbers import mean
+from .points import MEDIAN, Point, place, size_text
+
+Cell = str | float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A heading, how its numbers are written (a format spec) and what it means."""
+
+    title: str
+    spec: str = ""
+    help: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Cells are texts or numbers, None where there is nothing."""
+
+    title: str
+    note: str
+    columns: Sequence[Column]
+    rows: Sequence[Sequence[Cell]]
+
+
+ERRORS = (
+    Column("RMSE", ".4f", "root mean square error against rays, foreground"),
+    Column("bias", "+.4f", "mean error; above 0 is too bright"),
+    Column("p95", ".3f", "error that 95 % of the pixels stay below"),
+    Column("p99", ".3f", "error that 99 % of the pixels stay below"),
+    Column("max", ".3f", "largest error"),
+    Column("PSNR", ".1f", "dB"),
+    Column("SSIM", ".3f", "structural similarity"),
+    Column("FLIP", ".3f", "of the dimmed picture"),
+    Column("noise", ".4f", "pixel to pixel, on flat areas"),
+    Column("edges", ".4f", "RMSE within 4 pixels of depth edges"),
+    Column("interior", ".4f", "RMSE elsewhere"),
+    Column("border", ".4f", "RMSE within 32 pixels of the image's border"),
+)
+KEYS = ("rmse", "bias", "p95", "p99", "max", "psnr", "ssim", "flip", "noise", "rmse_edges", "rmse_interior", "rmse_border")
+
+COSTS = (
+    Column("ms", ".1f", "wall or GPU time of all passes after the G-buffer"),
+    Column("CPU ms", ".1f", "of all threads"),
+    Column("× yardstick", ".2f", "multiple of the lecture's 4-tap pass alone, by wall or GPU time"),
+    Column("× by CPU", ".2f", "the same by CPU time"),
+)
+
+
+def text(cell: Cell, spec: str = "") -> str:
+    """A cell as it is shown; nothing is a dash."""
+    if cell is None:
+        return "–"
+    return cell if isinstance(cell, str) else format(cell, spec or ".4g")
+
+
+def tables(found: Mapping[str, Any]) -> list[Table]:
+    """Every table that the results have something for."""
+    made = []
+    for at in found["sizes"]:
+        made += [_methods(at), _equal_time(found, at), _equal_error(found, at), _hypervolume(at)]
+        made += [_fitted(found, at)] if at["fitted_held_out"] else []
+        made += [_passes(at, found)]
+    made += [_split(found), _scaling(found), _views(found), _truth(found), _refused(found)]
+    return [table for table in made if table.rows]
+
+
+def _methods(at: Mapping[str, Any]) -> Table:
+    rows: list[list[Cell]] = [
+        [p["label"], "●" if p["front"] else "", p["views"], *_errors(p), *_costs(p)] for p in at["shipped"]
+    ]
+    rows += [[c["label"], "", c["views"], *_errors(c), *[None] * 4] for c in at["constants"]]
+    note = (
+        f"Means over {len(at['views'])} views, as shipped, nothing fitted. ● is on the Pareto front."
+        f" The yardstick takes {text(at['yardstick_ms'], '.1f')} ms. Rays: Embree on the CPU, then the same joint filter."
+    )
+    return Table(
+        f"Error and time at {at['size']}",
+        note,
+        (Column("variant"), Column("front"), Column("views", "d"), *ERRORS, *COSTS),
+        rows,
+    )
+
+
+def _errors(point: Mapping[str, Any]) -> list[Cell]:
+    return [point["errors"].get(key) for key in KEYS]
+
+
+def _costs(point: Mapping[str, Any]) -> list[Cell]:
+    return [point["wall"]["total"], point["cpu"]["total"], point["ratio"], point["cpu_ratio"]]
+
+
+def _by_method(at: Mapping[str, Any]) -> dict[str, list[Point]]:
+    """Points that took part in every view, by method."""
+    found: dict[str, list[Point]] = {}
+    for point in at["shipped"]:
+        if point["views"] == len(at["views"]):
+            found.setdefault(point["method"], []).append(point)
+    return found
+
+
+def _equal_time(found: Mapping[str, Any], at: Mapping[str, Any]) -> Table:
+    yard = at["yardstick_ms"]
+    budgets = [(factor, factor * yard) for factor in found["budgets"]] if yard else []
+    rows = [[name, *(pareto.at_time(map(place, p), ms) for _, ms in budgets)] for name, p in _by_method(at).items()]
+    columns = [Column(f"≤ {factor:g}× ({ms:.0f} ms)", ".4f") for factor, ms in budgets]
+    note = "Smallest mean RMSE of any preset within a time after the G-buffer, given as a multiple of the yardstick."
+    return Table(f"Error at equal time, {at['size']}", note, (Column("method"), *columns), rows if budgets else [])
+
+
+def _equal_error(found: Mapping[str, Any], at: Mapping[str, Any]) -> Table:
+    rows = [[name, *(pareto.at_error(map(place, p), limit) for limit in found["limits"])] for name, p in _by_method(at).items()]
+    columns = [Column(f"RMSE ≤ {limit:g}", ".1f") for limit in found["limits"]]
+    note = "Milliseconds after the G-buffer of the fastest preset that is at least this good."
+    return Table(f"Time at equal error, {at['size']}", note, (Column("method"), *columns), rows)
+
+
+def _hypervolume(at: Mapping[str, Any]) -> Table:
+    volumes = at["hypervolume"]
+    rows = [[name, value] for name, value in volumes.items() if name != "worst" and value is not None]
+    note = (
+        "Share of the box from 1/4 to 64 times the yardstick (logarithmic) and from RMSE 0 to that of the constant mean"
+        f" ({text(volumes['worst'], '.4f')}) that a method's presets dominate. The larger the better; ‘all’ leaves rays out."
+    )
+    return Table(f"Hypervolume, {at['size']}", note, (Column("method"), Column("share", ".4f")), rows)
+
+
+def _fitted(found: Mapping[str, Any], at: Mapping[str, Any]) -> Table:
+    shipped = {point["label"]: point for point in at["shipped_held_out"]}
+    rows: list[list[Cell]] = []
+    for point in at["fitted_held_out"]:
+        fit, before = found["fits"].get(point["label"], {}), shipped.get(point["label"])
+        scalars = [fit.get(name) for name in ("radius", "strength", "power", "rmse")]
+        rows.append([point["label"], *scalars, point["errors"]["rmse"], before and before["errors"]["rmse"], *_costs(point)])
+    fitting, test = (", ".join(found["scenes"][name]) or "none" for name in ("fit", "test"))
+    note = f"Fitted on: {fitting}. Frozen, and measured here, on: {test}. A' = clamp(1 - strength (1 - A), 0, 1)^power."
+    if not found["scenes"]["test"]:
+        note = f"Fitted and measured on the same scenes ({fitting}): an upper bound of what fitting gives, and no test of it."
+    columns = (
+        Column("variant"), Column("radius ×", ".2f"), Column("strength", ".3f"), Column("power", ".3f"),
+        Column("RMSE where fitted", ".4f"), Column("RMSE", ".4f"), Column("RMSE as shipped", ".4f", "on the same views"), *COSTS,
+    )  # fmt: skip
+    return Table(f"Fitted track at {at['size']}", note, columns, rows)
+
+
+def _passes(at: Mapping[str, Any], found: Mapping[str, Any]) -> Table:
+    rows: list[list[Cell]] = []
+    for kind in ("shipped", "rays"):
+        by_label: dict[str, list[Mapping[str, Any]]] = {}
+        for row in found["rows"][kind]:
+            if row["view"] in at["views"] and "times" in row:
+                by_label.setdefault(row["variant"] or f"rays {row['spp']}", []).append(row["times"])
+        for label, times in by_label.items():
+            names = dict.fromkeys(name for one in times for name in one["passes"])
+            for name in names:
+                some = [one["passes"][name] for one in times if name in one["passes"]]
+                quarters = [mean([one["wall"][i] for one in some]) for i in (0, MEDIAN, 2)]
+                rows.append([label, name, *quarters, mean([one["cpu"][MEDIAN] for one in some])])
+    columns = (
+        Column("variant"), Column("pass"), Column("lower quartile", ".2f"), Column("median ms", ".2f"),
+        Column("upper quartile", ".2f"), Column("CPU ms", ".2f"),
+    )  # fmt: skip
+    return Table(f"Time per pass, {at['size']}", "Quartiles over interleaved rounds, then means over views.", columns, rows)
+
+
+def _split(found: Mapping[str, Any]) -> Table:
+    parts = ("model", "sampling", "estimator", "filter", "raw", "final")
+    rows: list[list[Cell]] = []
+    grouped = _grouped(row for row in found["rows"]["split"] if "model" in row)
+    for label, some in grouped.items():
+        rows.append([label, *(mean([row[part] for row in some]) for part in parts)])
+    size = next((size_text(row["size"]) for row in found["rows"]["split"] if "size" in row), "")
+    note = (
+        f"At {size}. model: exhaustive screen-space reference against rays. sampling: unfiltered against that reference;"
+        " estimator: the same with the noise averaged away. filter: filtered against unfiltered without noise. raw and final:"
+        " unfiltered and filtered against rays. RMSE, means over views; parts cancel, so they are no sum."
+    )
+    return Table("Error split", note, (Column("variant"), *(Column(part, ".4f") for part in parts)), rows)
+
+
+def _scaling(found: Mapping[str, Any]) -> Table:
+    from .scaling import exponents
+
+    columns = (
+        Column("method"), Column("against"), Column("from"), Column("to"), Column("ms at first", ".1f"), Column("ms at last", ".1f"),
+        Column("exponent, method", ".2f"), Column("exponent, all passes", ".2f"), Column("by CPU time", ".2f"),
+    )  # fmt: skip
+    note = "Time ~ size^exponent, least squares of logarithms, on the first view; 1 is linear, 0 is no dependence."
+    return Table("Scaling", note, columns, exponents(found["rows"]["scaling"]))
+
+
+def _views(found: Mapping[str, Any]) -> Table:
+    grouped = _grouped([*found["rows"]["shipped"], *found["rows"]["rays"]])
+    labels = list(grouped)
+    cells = {(label, row["view"]): row["errors"]["rmse"] for label, some in grouped.items() for row in some if "errors" in row}
+    rows = [[view["view"], *(cells.get((label, view["view"])) for label in labels)] for view in found["rows"]["view"]]
+    return Table("RMSE by view", "As shipped.", (Column("view"), *(Column(label, ".4f") for label in labels)), rows)
+
+
+def _truth(found: Mapping[str, Any]) -> Table:
+    rows = [
+        [
+            view["view"], float(view["triangles"]), view["radius"], view["covered"], view["mean"], float(view["spp"]), view["stderr"],
+            view["rays"] / 1e6, view["seconds"], view["rays"] / 1e6 / view["seconds"] if view["seconds"] else None,
+        ]
+        for view in found["rows"]["view"]
+    ]  # fmt: skip
+    columns = (
+        Column("view"), Column("triangles", ",.0f"), Column("radius", ".4g", "scene units"), Column("covered", ".2f"),
+        Column("mean visibility", ".4f"), Column("rays a pixel", ".0f"), Column("standard error", ".4f", "of a pixel, root mean square"),
+        Column("million rays", ",.1f"), Column("seconds", ".1f"), Column("million rays/s", ".2f"),
+    )  # fmt: skip
+    return Table("Truth", "Rays by Embree. Its standard error is part of every error above.", columns, rows)
+
+
+def _refused(found: Mapping[str, Any]) -> Table:
+    rows = [[row["variant"], row["view"], row["refused"]] for row in found["rows"]["shipped"] if "refused" in row]
+    return Table("Not measured", "Views that a method refuses.", (Column("variant"), Column("view"), Column("reason")), rows)
+
+
+def _grouped(rows: Any) -> dict[str, list[Mapping[str, Any]]]:
+    found: dict[str, list[Mapping[str, Any]]] = {}
+    label: Callable[[Mapping[str, Any]], str] = lambda row: row["variant"] or f"rays {row['spp']}"  # noqa: E731
+    for row in rows:
+        found.setdefault(label(row), []).append(row)
+    return found
