@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -31,9 +32,12 @@ class Context:
     mgl: moderngl.Context
     functions: Functions
     loader: Loader | None = None
-    make_current: Callable[[], None] = lambda: None
+    make_current: Callable[[], Callable[[], None]] = lambda: lambda: None
+    """Returns what makes current again the context of somebody else that was before."""
     close: Callable[[], None] = lambda: None
     """Destroys what :func:`ssao_gl.gl.open` made; does nothing for a context of the caller."""
+    leave: Callable[[], None] = lambda: None
+    """Makes current again what was before :func:`ssao_gl.gl.open`, if anything was."""
     version: str = field(init=False)
     renderer: str = field(init=False)
     released: bool = field(init=False, default=False)
@@ -53,6 +57,15 @@ class Context:
         if not self.released:
             self.released = True
             self.close()
+
+    @contextmanager
+    def current(self) -> Iterator[None]:
+        """Within the block this context is current; after it, whichever other one was before."""
+        back = self.make_current()
+        try:
+            yield
+        finally:
+            back()
 
     @property
     def software(self) -> bool:
@@ -91,8 +104,9 @@ def attach(
     get_proc: GetProc,
     *,
     api: Api | None = None,
-    make_current: Callable[[], None] = lambda: None,
+    make_current: Callable[[], Callable[[], None]] = lambda: lambda: None,
     close: Callable[[], None] = lambda: None,
+    leave: Callable[[], None] = lambda: None,
 ) -> Context:
     """A :class:`Context` over whatever context is current, its functions found by ``get_proc``.
 
@@ -120,7 +134,7 @@ def attach(
     mgl = moderngl.create_context(require=300, context=loader)  # type: ignore[arg-type]
     state.restore(before)
     state.restore_made_by_moderngl(made)
-    context = Context(provider, platform, found, mgl, functions, loader, make_current, close)
+    context = Context(provider, platform, found, mgl, functions, loader, make_current, close, leave)
     if found == "es":
         _need_float_targets(context)
     context.check_error("opening the context")

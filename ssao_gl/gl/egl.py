@@ -16,7 +16,7 @@ EGL_OPENGL_ES3_BIT, EGL_OPENGL_BIT = 0x0040, 0x0008
 EGL_OPENGL_ES_API, EGL_OPENGL_API = 0x30A0, 0x30A2
 EGL_MAJOR, EGL_MINOR, EGL_PROFILE_MASK, EGL_CORE_BIT = 0x3098, 0x30FB, 0x30FD, 1
 EGL_WIDTH, EGL_HEIGHT = 0x3057, 0x3056
-EGL_EXTENSIONS = 0x3055
+EGL_EXTENSIONS, EGL_DRAW, EGL_READ = 0x3055, 0x3059, 0x305A
 EGL_PLATFORM_SURFACELESS, EGL_PLATFORM_DEVICE = 0x31DD, 0x313F
 EGL_PLATFORM_ANGLE, EGL_PLATFORM_ANGLE_TYPE, EGL_PLATFORM_ANGLE_NATIVE_PLATFORM_TYPE = 0x3202, 0x3203, 0x348F
 EGL_PLATFORM_ANGLE_TYPE_VULKAN = 0x3450
@@ -27,12 +27,16 @@ Display = int
 
 @dataclass
 class EglContext:
-    """A live EGL context. ``get_proc`` answers for it, ``make_current`` and ``release`` own its life."""
+    """A live context. ``get_proc`` answers for it, ``make_current`` and ``release`` own its life.
+
+    ``make_current`` returns, and ``leave`` is, what makes current again the context of somebody else that was before.
+    """
 
     platform: str
     get_proc: Callable[[str], int]
-    make_current: Callable[[], None]
+    make_current: Callable[[], Callable[[], None]]
     release: Callable[[], None]
+    leave: Callable[[], None]
 
 
 class Egl:
@@ -121,15 +125,33 @@ def angle_display(egl: Egl) -> Iterator[tuple[str, Display]]:
 def open_context(egl: Egl, candidates: Iterator[tuple[str, Display]], *, es: bool) -> EglContext:
     """The first display of ``candidates`` that gives a context of OpenGL ES >= 3.0 (or core >= 3.3); OSError says why none did."""
     reasons = []
+    back = _way_back(egl)
     for platform, display in candidates:
         try:
-            return _open_on(egl, platform, display, es=es)
+            return _open_on(egl, platform, display, back, es=es)
         except OSError as reason:
             reasons.append(f"{platform}: {reason}")
+    back()
     raise OSError("; ".join(reasons) or "libEGL offers no display")
 
 
-def _open_on(egl: Egl, platform: str, display: Display, *, es: bool) -> EglContext:
+def _way_back(egl: Egl, own: int = 0) -> Callable[[], None]:
+    """What makes current again what is current now; does nothing when that is ``own``, or nothing at all."""
+    api = egl.function("eglQueryAPI", U)()
+    context = egl.function("eglGetCurrentContext", P)()
+    if not context or context == own:
+        return lambda: None
+    display = egl.function("eglGetCurrentDisplay", P)()
+    draw, read = (egl.function("eglGetCurrentSurface", P, I)(which) for which in (EGL_DRAW, EGL_READ))
+
+    def back() -> None:
+        egl.function("eglBindAPI", U, U)(api)
+        egl.function("eglMakeCurrent", U, P, P, P, P)(display, draw, read, context)
+
+    return back
+
+
+def _open_on(egl: Egl, platform: str, display: Display, back: Callable[[], None], *, es: bool) -> EglContext:
     if not display:
         raise OSError("no display")
     if not egl.function("eglInitialize", U, P, P, P)(display, None, None):
@@ -149,20 +171,25 @@ def _open_on(egl: Egl, platform: str, display: Display, *, es: bool) -> EglConte
     bind = egl.function("eglBindAPI", U, U)
     current = egl.function("eglMakeCurrent", U, P, P, P, P)
 
-    def make_current() -> None:
+    which = egl.function("eglGetCurrentContext", P)
+
+    def make_current() -> Callable[[], None]:
+        back = _way_back(egl, context)
         bind(EGL_OPENGL_ES_API if es else EGL_OPENGL_API)
-        if not current(display, surface, surface, context):
+        if which() != context and not current(display, surface, surface, context):
             raise OSError(f"eglMakeCurrent failed, {egl.error()}")
+        return back
 
     def release() -> None:
-        bind(EGL_OPENGL_ES_API if es else EGL_OPENGL_API)
-        current(display, None, None, None)
+        if which() == context:
+            bind(EGL_OPENGL_ES_API if es else EGL_OPENGL_API)
+            current(display, None, None, None)
         if surface:
             egl.function("eglDestroySurface", U, P, P)(display, surface)
         egl.function("eglDestroyContext", U, P, P)(display, context)
 
     make_current()
-    return EglContext(platform, egl.get_proc, make_current, release)
+    return EglContext(platform, egl.get_proc, make_current, release, back)
 
 
 def _config(egl: Egl, display: Display, renderable: int) -> int:

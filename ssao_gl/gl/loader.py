@@ -18,7 +18,17 @@ GetProc = Callable[[str], int]
 
 # moderngl tests these for NULL before it calls them, so absence must stay visible.
 OPTIONAL = frozenset(
-    ["glPrimitiveRestartIndex", "glObjectLabel", "glGetObjectLabel", "glLabelObjectEXT", "glGetObjectLabelEXT", "glPushDebugGroup", "glPopDebugGroup", "glPushGroupMarkerEXT", "glPopGroupMarkerEXT"]
+    [
+        "glPrimitiveRestartIndex",
+        "glObjectLabel",
+        "glGetObjectLabel",
+        "glLabelObjectEXT",
+        "glGetObjectLabelEXT",
+        "glPushDebugGroup",
+        "glPopDebugGroup",
+        "glPushGroupMarkerEXT",
+        "glPopGroupMarkerEXT",
+    ]
 )
 
 ENABLES_ES_LACKS = frozenset({0x884F, 0x8F9D, 0x8642, 0x809D})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
+from collections.abc import Callable
 from typing import Any
 
 from .egl import EglContext
@@ -35,16 +36,17 @@ def open_context() -> EglContext:
     current = function("OSMesaMakeCurrent", ctypes.c_ubyte, P, P, I, I, I)
     address = function("OSMesaGetProcAddress", P, S)
 
-    def make_current() -> None:
+    def make_current() -> Callable[[], None]:
         if not current(context, pixels, GL_UNSIGNED_BYTE, 16, 16):
             raise OSError("OSMesaMakeCurrent failed")
+        return lambda: None  # OSMesa does not tell enough of another context to go back to it
 
     def release() -> None:
         current(None, None, 0, 0, 0)
         function("OSMesaDestroyContext", None, P)(context)
 
     make_current()
-    return EglContext("off-screen", lambda name: address(name.encode()) or 0, make_current, release)
+    return EglContext("off-screen", lambda name: address(name.encode()) or 0, make_current, release, lambda: None)
 
 
 def _library() -> ctypes.CDLL:

@@ -31,9 +31,18 @@ class Provider:
 
 def _from_egl(name: str, opened: egl.EglContext, api: Api | None) -> Context:
     try:
-        return attach(name, opened.platform, opened.get_proc, api=api, make_current=opened.make_current, close=opened.release)
+        return attach(
+            name,
+            opened.platform,
+            opened.get_proc,
+            api=api,
+            make_current=opened.make_current,
+            close=opened.release,
+            leave=opened.leave,
+        )
     except BaseException:
         opened.release()
+        opened.leave()
         raise
 
 
@@ -165,7 +174,12 @@ def wrap_moderngl(mgl: moderngl.Context, *, provider: str = "current", close: Ca
     functions = Functions(getattr(origin, "load_opengl_function", None) or find_get_proc())
     if "OpenGL ES" in functions.string(0x1F02):
         raise ContextError("moderngl by itself does not run on OpenGL ES; make it with ssao_gl.gl.wrap_current() instead")
-    return Context(provider, "the caller's", "gl", mgl, functions, None, mgl.__enter__, close)
+
+    def make_current() -> Callable[[], None]:
+        mgl.__enter__()  # type: ignore[no-untyped-call]
+        return lambda: mgl.__exit__(None, None, None)  # type: ignore[no-untyped-call]
+
+    return Context(provider, "the caller's", "gl", mgl, functions, None, make_current, close)
 
 
 def find_get_proc() -> GetProc:
