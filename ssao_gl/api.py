@@ -28,7 +28,7 @@ def as_scene(source: Any) -> Scene:
         return Scene.load(source)
     if pyrender_adapter.is_pyrender_scene(source):
         return pyrender_adapter.from_pyrender(source)
-    if type(source).__module__.split(".")[0] == "trimesh":
+    if any(kind.__module__.split(".")[0] == "trimesh" for kind in type(source).__mro__):
         from .adapters.meshes import from_trimesh
 
         return from_trimesh(source)

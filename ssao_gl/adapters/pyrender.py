@@ -36,8 +36,8 @@ class PyrenderLens:
 
 def is_pyrender_scene(thing: object) -> bool:
     """Whether ``thing`` is a ``pyrender.Scene``; does not import pyrender."""
-    kind = type(thing)
-    return kind.__name__ == "Scene" and kind.__module__.split(".")[0] == "pyrender"
+    kinds = type(thing).__mro__
+    return any(kind.__name__ == "Scene" and kind.__module__.split(".")[0] == "pyrender" for kind in kinds)
 
 
 def from_pyrender(scene: pyrender.Scene) -> Scene:

@@ -119,6 +119,15 @@ def test_invisible_meshes_points_and_strays_are_left_out() -> None:
             from_pyrender(scene_of(*meshes))
 
 
+def test_a_scene_of_a_class_of_ones_own() -> None:
+    class Robot(pyrender.Scene):  # type: ignore[misc]
+        pass
+
+    robot = Robot()
+    robot.add(box())
+    assert as_scene(robot).triangles == 12
+
+
 def test_without_a_camera() -> None:
     scene = scene_of(box())
     assert list(as_scene(scene).cameras) == []
