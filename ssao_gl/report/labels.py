@@ -2,59 +2,64 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
-Place = tuple[float, float]
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+F64 = NDArray[np.float64]
 
 GAP = 7.0
-"""Between a point and its name, and half the side of a point's mark, pixels."""
+"""Between a point and its name, and the side of a point's mark, pixels."""
+
+STEP = 4.0
+"""Between the boxes that stand for a line, pixels."""
+
+ANGLES = np.radians((0, 180, 90, 270, 45, 315, 135, 225, 20, 340, 160, 200, 70, 110, 250, 290))
+"""Directions in which a name may lie from its point, the preferred first."""
+
+RINGS, CROWD = 8, 60.0
 
 
-@dataclass(frozen=True, slots=True)
-class Box:
-    """An axis-parallel rectangle."""
+def spread(points: ArrayLike, sizes: ArrayLike, frame: Sequence[float], lines: Sequence[ArrayLike] = ()) -> F64:
+    """Lower left corners (n, 2) of names of ``sizes`` (n, 2) beside ``points`` (n, 2), inside ``frame`` (x0, y0, x1, y1).
 
-    x0: float
-    y0: float
-    x1: float
-    y1: float
-
-    def overlap(self, other: Box) -> float:
-        """Area that two boxes share."""
-        return max(0.0, min(self.x1, other.x1) - max(self.x0, other.x0)) * max(
-            0.0, min(self.y1, other.y1) - max(self.y0, other.y0)
-        )
-
-    def within(self, other: Box) -> bool:
-        return self.x0 >= other.x0 and self.y0 >= other.y0 and self.x1 <= other.x1 and self.y1 <= other.y1
-
-
-def spread(points: Sequence[Place], sizes: Sequence[Place], frame: Box) -> list[Place]:
-    """The lower left corner of a name of each size (w, h) beside each point, inside the frame.
-
-    Greedy: points that have others near choose first; each takes the nearest place that covers no mark and no name,
-    and where there is none the one that covers least.
+    Greedy: points that have others near choose first; each takes the nearest place that covers no mark, no name and none
+    of the ``lines`` (k, 2), and where there is none the one that covers least.
     """
-    marks = [Box(x - GAP / 2, y - GAP / 2, x + GAP / 2, y + GAP / 2) for x, y in points]
-    crowd = [sum(math.dist(p, q) < 60 for q in points) for p in points]
-    taken: dict[int, Box] = {}
-    for index in sorted(range(len(points)), key=lambda i: (-crowd[i], points[i][1])):
-        others = [box for i, box in enumerate(marks) if i != index] + list(taken.values())
-        options = [box for box in _around(points[index], sizes[index]) if box.within(frame)]
-        options = options or [next(_around(points[index], sizes[index]))]
-        # The first that covers nothing; min takes the earliest, and so nearest, of equals.
-        taken[index] = min(options, key=lambda box: sum(box.overlap(other) for other in others))
-    return [(taken[i].x0, taken[i].y0) for i in range(len(points))]
+    at, size = np.asarray(points, np.float64), np.asarray(sizes, np.float64)
+    marks = np.concatenate([at - GAP / 2, at + GAP / 2], 1)
+    fixed = np.concatenate([marks, *(_along(np.asarray(line, np.float64)) for line in lines)])
+    crowd = (np.linalg.norm(at[:, None] - at[None], axis=-1) < CROWD).sum(1)
+    taken = np.zeros((len(at), 4))
+    for index in sorted(range(len(at)), key=lambda i: (-crowd[i], at[i, 1])):
+        options = _around(at[index], size[index])
+        inside = (options[:, :2] >= frame[:2]).all(1) & (options[:, 2:] <= frame[2:]).all(1)
+        options = options[inside] if inside.any() else options[:1]
+        others = np.concatenate([np.delete(fixed, index, 0), taken])
+        # argmin takes the earliest, and so nearest, of equals.
+        taken[index] = options[int(np.argmin(overlap(options, others).sum(1)))]
+    return taken[:, :2]
 
 
-def _around(point: Place, size: Place) -> Iterator[Box]:
-    """Places for a name, nearest first: right, left, above, below, then on growing rings."""
-    (x, y), (w, h) = point, size
-    for ring in range(1, 9):
-        far = GAP * ring
-        for angle in (0, 180, 90, 270, 45, 315, 135, 225, 20, 340, 160, 200, 70, 110, 250, 290):
-            c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-            cx, cy = x + c * (far + w / 2), y + s * (far + h / 2)
-            yield Box(cx - w / 2, cy - h / 2, cx + w / 2, cy + h / 2)
+def overlap(some: F64, others: F64) -> F64:
+    """Areas (n, m) that boxes (n, 4) and boxes (m, 4) share; a box is (x0, y0, x1, y1)."""
+    low = np.maximum(some[:, None, :2], others[None, :, :2])
+    high = np.minimum(some[:, None, 2:], others[None, :, 2:])
+    return np.asarray(np.maximum(high - low, 0).prod(-1))
+
+
+def _along(line: F64) -> F64:
+    """A line (k, 2) as a row of small boxes (n, 4)."""
+    parts = [np.linspace(a, b, max(1, math.ceil(np.linalg.norm(b - a) / STEP)) + 1) for a, b in itertools.pairwise(line)]
+    places = np.concatenate(parts) if parts else np.zeros((0, 2))
+    return np.concatenate([places - 1.5, places + 1.5], 1)
+
+
+def _around(point: F64, size: F64) -> F64:
+    """Boxes (n, 4) for a name, nearest first: right, left, above, below, between, then on growing rings."""
+    far = GAP * np.arange(1, RINGS + 1)[:, None, None] + size / 2
+    middle = (point + np.stack([np.cos(ANGLES), np.sin(ANGLES)], -1) * far).reshape(-1, 2)
+    return np.concatenate([middle - size / 2, middle + size / 2], 1)

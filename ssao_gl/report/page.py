@@ -16,6 +16,9 @@ from .plots import INK, Plot
 from .sweep import folder_name, images_of
 from .tables import Table, tables, text
 
+FOLDED = 40
+"""Tables with more rows are closed until they are clicked."""
+
 
 def page(found: Mapping[str, Any], drawn: Sequence[Plot], folder: Path) -> str:
     """The whole page; pictures are taken from the report's folder, as far as they are there."""
@@ -77,7 +80,10 @@ def _table(table: Table) -> str:
         cells = "".join(_cell(cell, column.spec) for cell, column in zip(row, table.columns, strict=True))
         rows.append(f"<tr{' class=front' if front is not None and row[front] else ''}>{cells}</tr>")
     body = f"<thead><tr>{heads}</tr></thead><tbody>{''.join(rows)}</tbody>"
-    return _section(table.title, table.note, f'<div class="scroll"><table>{body}</table></div>')
+    made = f'<div class="scroll"><table>{body}</table></div>'
+    if len(rows) > FOLDED:
+        made = f'<details class="fold"><summary>{len(rows)} rows</summary>{made}</details>'
+    return _section(table.title, table.note, made)
 
 
 def _number(spec: str) -> str:

@@ -8,7 +8,7 @@ from io import BytesIO
 from typing import Any
 
 from ..errors import SettingsError
-from .labels import Box, spread
+from .labels import spread
 from .points import MEDIAN, place
 
 INK = "#454647"
@@ -96,14 +96,9 @@ def _front(at: Mapping[str, Any], points: Sequence[Mapping[str, Any]]) -> Callab
         best = sorted(place(p) for p in points if p["front"])
         if best:
             axes.step(*zip(*best, strict=True), where="post", color=INK, lw=5, alpha=0.18, label="Pareto front", zorder=1)
-        for still in at["constants"]:
-            axes.axhline(
-                still["errors"]["rmse"],
-                color=INK,
-                lw=1,
-                ls=":" if still["label"] == "constant 1" else "--",
-                label=still["label"],
-            )
+        for still, dashes in zip(at["constants"], (":", "--"), strict=False):
+            error = still["errors"]["rmse"]
+            axes.axhline(error, color=INK, lw=1, ls=dashes, label=f"{still['label']}: {error:.3f}")
         _ranges(axes, at, [place(p) for p in points])
         axes.set_xlabel("milliseconds after the G-buffer (log scale; upper axis: multiples of the lecture's 4-tap pass)")
         axes.set_ylabel("RMSE against rays (mean over views)")
@@ -119,8 +114,9 @@ def _ranges(axes: Any, at: Mapping[str, Any], places: Sequence[tuple[float, floa
 
     times, errors = zip(*places, strict=True)
     axes.set_xlim(min(times) / 1.35, max(times) * 1.6)
-    tops = [*errors, *(still["errors"]["rmse"] for still in at["constants"])]
-    axes.set_ylim(0, max(tops) * 1.08)
+    # The constants' lines are shown where they are near; the legend has their values anyhow.
+    room = 0.25 * max(max(errors) - min(errors), 0.1 * max(errors), 1e-6)
+    axes.set_ylim(max(0.0, min(errors) - room), max(errors) + room)
     plain = FuncFormatter(lambda value, _: f"{value:g}")
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.xaxis.set_major_formatter(plain)
@@ -145,7 +141,8 @@ def _name(figure: Any, axes: Any, points: Sequence[Mapping[str, Any]], style: Ma
     pixel = [tuple(axes.transData.transform(place(point))) for point in points]
     sizes = [(box.width, box.height) for box in (text.get_window_extent(renderer) for text in texts)]
     frame = axes.get_window_extent(renderer)
-    corners = spread(pixel, sizes, Box(frame.x0, frame.y0, frame.x1, frame.y1))
+    lines = [line.get_transform().transform(line.get_xydata()) for line in axes.get_lines()]
+    corners = spread(pixel, sizes, (frame.x0, frame.y0, frame.x1, frame.y1), lines)
     for text, at, corner, size in zip(texts, pixel, corners, sizes, strict=True):
         text.set_position(axes.transData.inverted().transform(corner))
         text.set_va("bottom")
