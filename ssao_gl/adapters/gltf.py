@@ -51,7 +51,7 @@ def open_glb(file: BinaryIO, size: int, size_of: SizeOf) -> tuple[BinaryIO, list
     text = json.dumps(tree, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     head = struct.pack("<4sIII4s", b"glTF", 2, total - length + len(text), len(text), b"JSON")
-    return _Spliced(head + text, file), cameras  # type: ignore[return-value]
+    return _Spliced(head + text, file, size), cameras  # type: ignore[return-value]
 
 
 def open_gltf(file: BinaryIO, size: int, size_of: SizeOf) -> tuple[BinaryIO, list[Camera]]:
@@ -243,8 +243,9 @@ def _camera(entry: Mapping[str, Any], world: Matrix, node: str, number: int) -> 
 class _Spliced(io.RawIOBase):
     """Some bytes, then the rest of a file, so that a large binary part is not copied to change the text before it."""
 
-    def __init__(self, head: bytes, rest: BinaryIO) -> None:
+    def __init__(self, head: bytes, rest: BinaryIO, size: int) -> None:
         self._head, self._rest, self._at = head, rest, 0
+        self._size = len(head) + size - rest.tell()
 
     def readable(self) -> bool:
         return True
@@ -253,8 +254,11 @@ class _Spliced(io.RawIOBase):
         return self._at
 
     def read(self, size: int = -1) -> bytes:
-        part = self._head[self._at :] if size < 0 else self._head[self._at : self._at + size]
-        if size < 0 or len(part) < size:
-            part += self._rest.read(size - len(part) if size >= 0 else -1)
+        # No more than there is: a file object takes the memory that it is asked for before it looks.
+        left = self._size - self._at
+        size = min(size, left) if size >= 0 else left
+        part = self._head[self._at : self._at + size]
+        if len(part) < size:
+            part += self._rest.read(size - len(part))
         self._at += len(part)
         return part

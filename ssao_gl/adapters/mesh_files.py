@@ -5,6 +5,7 @@ from __future__ import annotations
 import bz2
 import gzip
 import io
+import re
 import tarfile
 import zipfile
 from collections.abc import Callable, Mapping
@@ -27,6 +28,7 @@ UNPACKED_FREE, UNPACKED_RATIO = 64 << 20, 50
 """An archive may unpack to 64 MiB, or to 50 times its size if that is more: text packs to a fifth, bombs to a thousandth."""
 MAX_MEMBERS = 1000
 MAX_HEADER = 1 << 20
+MAX_MATERIALS = 4000
 
 SIGNATURES: tuple[tuple[bytes, str, frozenset[str]], ...] = (
     (b"\x89PNG\r\n", "a PNG picture", frozenset()),
@@ -152,8 +154,7 @@ def _read(file: BinaryIO, kind: str, size: int, beside: Beside) -> Loaded:
     if kind in GLTF:
         file, cameras = GLTF[kind](file, size, beside.size)
     elif kind in CHECKS:
-        CHECKS[kind](file, size)
-        file.seek(0)
+        file = CHECKS[kind](file, size)
     elif head.startswith(b"PK\x03\x04"):  # 3MF and its kin
         _check_zip(file, size)
         file.seek(0)
@@ -168,18 +169,33 @@ def _check_signature(head: bytes, kind: str) -> None:
             raise SceneError(f"is not a .{kind} file but {what}")
 
 
-def _check_stl(file: BinaryIO, size: int) -> None:
+def _check_stl(file: BinaryIO, size: int) -> BinaryIO:
     """Binary STL is 84 bytes and 50 a triangle; anything else must be text, which begins with 'solid'."""
     head = file.read(84)
+    file.seek(0)
     expected = 84 + 50 * int.from_bytes(head[80:84], "little")
     if size != expected and not head.lstrip().lower().startswith(b"solid"):
         told = f"announces {(expected - 84) // 50} triangles, {expected} bytes," if len(head) == 84 else "is too short:"
         raise SceneError(f"{told} but has {size} bytes; it is truncated or broken")
+    if size == expected:
+        return file
+    # One solid of all: trimesh takes quadratic time to name them.
+    return io.BytesIO(b"solid\n" + re.sub(rb"(?im)^[ \t]*(end)?solid.*$", b"", file.read()) + b"\nendsolid\n")
 
 
-def _check_ply(file: BinaryIO, size: int) -> None:
+def _check_obj(file: BinaryIO, size: int) -> BinaryIO:
+    """Likewise for parts of different materials, which cannot be put together."""
+    materials = set(re.findall(rb"(?m)^[ \t]*usemtl[ \t]+(\S+)", file.read()))
+    file.seek(0)
+    if len(materials) > MAX_MATERIALS:
+        raise SceneError(f"has {len(materials)} materials; at most {MAX_MATERIALS} can be read in sensible time")
+    return file
+
+
+def _check_ply(file: BinaryIO, size: int) -> BinaryIO:
     """Elements that a header announces must fit into the bytes after it, lists being empty."""
     head = file.read(MAX_HEADER)
+    file.seek(0)
     end = head.find(b"end_header")
     if not head.startswith(b"ply") or end < 0:
         raise SceneError("has no complete PLY header ('ply' ... 'end_header'); it is truncated or broken")
@@ -194,6 +210,7 @@ def _check_ply(file: BinaryIO, size: int) -> None:
             needed += count * (2 if text else PLY_BYTES[words[2] if words[1] == "list" else words[1]])
         if count < 0 or needed > left + 1:  # the last line may lack its end
             raise SceneError(f"announces {count} of '{name}', more than its {left} bytes can hold; it is truncated or broken")
+    return file
 
 
 PLY_BYTES = {
@@ -202,7 +219,8 @@ PLY_BYTES = {
     **dict.fromkeys(("int", "uint", "float", "int32", "uint32", "float32"), 4),
     **dict.fromkeys(("double", "int64", "uint64", "float64", "long", "ulong"), 8),
 }
-CHECKS: Mapping[str, Callable[[BinaryIO, int], None]] = {"stl": _check_stl, "ply": _check_ply}
+CHECKS: Mapping[str, Callable[[BinaryIO, int], BinaryIO]] = {"stl": _check_stl, "ply": _check_ply, "obj": _check_obj}
+"""What looks at a file, of some size, before trimesh does, and gives what trimesh should read."""
 GLTF = {"glb": open_glb, "gltf": open_gltf}
 
 
