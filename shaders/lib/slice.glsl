@@ -16,6 +16,19 @@ float ssao_acos(float x) {
     return x < 0.0 ? SSAO_PI - r : r;
 }
 
+// The direction at right angles to v (the unit direction to the viewer) that turn, a unit vector, picks around it.
+// Frame: Duff et al., "Building an Orthonormal Basis, Revisited", 2017; v.z > 0 wherever there is a surface.
+vec3 ssao_along(vec3 v, vec2 turn) {
+    float a = -dot(v.xy, turn) / (1.0 + max(v.z, 0.0));
+    return vec3(turn + a * v.xy, -dot(v.xy, turn));
+}
+
+// How far the image of p moves, in pixels per scene unit and times clip w, as p moves along a direction.
+vec2 ssao_texels(vec3 p, vec3 along) {
+    vec2 slope = along.xy + (u_w.x > 0.0 ? -p.xy / p.z : -u_ray0) * along.z;
+    return u_uv_per_unit * slope * u_size;
+}
+
 struct SsaoSlice {
     vec3 along;     // unit, away from the pixel, at right angles to the viewer
     vec3 axis;      // unit, out of the slice

@@ -53,18 +53,12 @@ void main() {
         vec3 p = ssao_position(uv, z);
         vec3 v = ssao_to_viewer(p);
         vec3 n = ssao_decode_normal(SAMPLE(u_normal, uv).xy);
-        // Two directions at right angles to v and each other (Duff et al. 2017; v.z > 0 wherever there is a surface).
-        float a = -1.0 / (1.0 + max(v.z, 0.0));
-        vec3 x = vec3(1.0 + a * v.x * v.x, a * v.x * v.y, -v.x);
-        vec3 y = vec3(a * v.x * v.y, 1.0 + a * v.y * v.y, -v.y);
         // Nothing within the radius is nearer to the viewer than this, and so larger on the screen.
         float w = max(ssao_w(max(z - u_radius, 0.0)), 1e-3 * ssao_w(z));
         for (int i = 0; i < SLICES; i++) {
             float angle = (float(i) + 0.5) * (SSAO_PI / float(SLICES));
-            vec3 along = cos(angle) * x + sin(angle) * y;
-            // The direction on the screen: how uv moves as the point moves along.
-            vec2 slope = along.xy + (u_w.x > 0.0 ? p.xy / z : -u_ray0) * along.z;
-            vec2 texels = u_uv_per_unit * slope * u_size;
+            vec3 along = ssao_along(v, vec2(cos(angle), sin(angle)));
+            vec2 texels = ssao_texels(p, along);
             float reach = length(texels) * u_radius / w;
             vec2 step = texels / max(max(abs(texels.x), abs(texels.y)), 1e-30);
             int count = int(min(reach / length(step), float(MAX_STEPS)));

@@ -174,7 +174,7 @@ def settings_help() -> str:
     groups = [Settings, *registry().values(), *BLURS.values(), Shading]
     lines = ["Settings for --set and TOML files (group.key, default, unit, range):"]
     for kind in groups:
-        prefix = f"blur.{kind.name}" if kind in BLURS.values() else title(kind)
+        prefix = f"blur.{title(kind)}" if kind in BLURS.values() else title(kind)
         lines.append(f"  {prefix if kind is not Settings else '(no group)'}")
         for field in (f for f in dataclasses.fields(kind) if "limits" in f.metadata):
             rule = limits(field)
