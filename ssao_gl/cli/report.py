@@ -124,7 +124,7 @@ def report(
 
     with Renderer(gl, keep=len(chosen) + 2) as renderer:
         facts = machine(renderer.ctx)
-        with Journal(output, sweep.header(facts, code())) as journal:
+        with Journal(output, sweep.header(facts, code()), sweep.contents) as journal:
             with _bar() as progress:
                 try:
                     Run(sweep, renderer, journal, output, _cache(cache, output), progress).measure()

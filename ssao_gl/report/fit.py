@@ -33,6 +33,11 @@ class Scalars:
     strength: float = 1.0
     power: float = 1.0
 
+    @property
+    def key(self) -> str:
+        """As text: rows measured under one fit are not those of another."""
+        return f"{self.radius:.4g} {self.strength:.6g} {self.power:.6g}"
+
     def __call__(self, visibility: NDArray[Any]) -> NDArray[Any]:
         """Visibility of any shape after strength and power."""
         return np.asarray(np.clip(1 - self.strength * (1 - visibility), 0, 1) ** self.power)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ..errors import SettingsError
 from .fit import FACTORS, Levels, Scalars, fit
@@ -11,6 +11,9 @@ from .setup import Setup
 from .sweep import Sweep
 from .variants import Variant
 from .views import View
+
+Fits = Mapping[str, tuple[Scalars, float]]
+"""label -> (scalars, mean RMSE over the views they were fitted on)."""
 
 
 def gather_levels(setup: Setup, variant: Variant) -> dict[str, list[list[float]]]:
@@ -25,8 +28,8 @@ def gather_levels(setup: Setup, variant: Variant) -> dict[str, list[list[float]]
     return found
 
 
-def fits(sweep: Sweep, journal: Journal) -> dict[str, tuple[Scalars, float]]:
-    """label -> (scalars, mean RMSE over the views they were fitted on), of all that took part in every such view."""
+def fits(sweep: Sweep, journal: Journal) -> Fits:
+    """Of all variants that took part in every view that is fitted on."""
     wanted = [view.name for view in fitting_views(sweep)]
     found = {}
     for variant in sweep.variants:

@@ -27,15 +27,16 @@ log = logging.getLogger("ssao_gl")
 class Journal:
     """Rows, each with the key (kind, view, variant, at); where a key comes twice the later row counts."""
 
-    def __init__(self, folder: Path, header: Mapping[str, Any]) -> None:
-        """``header``: all that the rows depend on and that is not in their keys.
+    def __init__(self, folder: Path, header: Mapping[str, Any], contents: Mapping[str, str]) -> None:
+        """``header``: all that the rows depend on beside their keys. ``contents``: view -> hash of what is seen there.
 
-        A journal under another header, or a damaged one, is moved aside with a warning; of a damaged one the good rows
+        Rows of a view that has other content now are passed over. A journal under another header, or a damaged one, is moved aside with a warning; of a damaged one the good rows
         are taken over. Raises FormatError when the folder cannot be written, or another process is at it.
         """
         make_folder(folder)
         self._path = folder / NAME
         self._rows: dict[Key, Row] = {}
+        self._contents = dict(contents)
         wanted = plain(dict(header))
         self._file = self._open()
         found, damaged = _read(self._path)
@@ -49,8 +50,9 @@ class Journal:
             aside = _aside(self._path, "damaged")
             log.warning("%s has %d damaged lines; it is kept as %s, good rows go on", self._path, damaged, aside.name)
         for row in found[1:]:
-            self._rows[_key(row)] = row
-        self._rewrite([wanted, *self._rows.values()])
+            if row.get("content") == self._contents.get(row.get("view", "")):
+                self._rows[_key(row)] = row
+        self._rewrite([wanted, *found[1:]])
 
     def _open(self) -> IO[bytes]:
         try:
@@ -79,7 +81,8 @@ class Journal:
 
     def add(self, kind: str, view: str = "", variant: str = "", at: str = "", **values: Any) -> Row:
         """Put a row on the disk. Raises FormatError when it is full."""
-        row: Row = plain({"kind": kind, "view": view, "variant": variant, "at": at, **values})
+        key = {"kind": kind, "view": view, "variant": variant, "at": at, "content": self._contents.get(view)}
+        row: Row = plain({**key, **values})
         try:
             self._file.write(_line(row))
             self._file.flush()

@@ -26,10 +26,19 @@ def results(sweep: Sweep, journal: Journal, machine: Mapping[str, Any], made: st
     """What the journal has for a sweep, and what follows from it."""
     names = {view.name for view in sweep.views}
     labels = {variant.label for variant in sweep.variants} | {""}
+    methods = {variant.method for variant in sweep.variants} if sweep.scaling else set()
     rows = {
-        kind: [row for row in journal.rows(kind) if row["view"] in names and (row["variant"] in labels or kind == "scaling")]
+        kind: [
+            row
+            for row in journal.rows(kind)
+            if row["view"] in names and row["variant"] in (methods if kind == "scaling" else labels)
+        ]
         for kind in KINDS
     }
+    found_fits = fits(sweep, journal)
+    keys = {label: scalars.key for label, (scalars, _) in found_fits.items()}
+    rows["fitted"] = [row for row in rows["fitted"] if row["at"] == keys.get(row["variant"])]
+    rows["split"] = [row for row in rows["split"] if sweep.split and row["at"] == size_text(sweep.split)]
     _borrow_yardstick(rows)
     scenes = list(dict.fromkeys(view.scene for view in sweep.views))
     found = {
@@ -42,9 +51,7 @@ def results(sweep: Sweep, journal: Journal, machine: Mapping[str, Any], made: st
         "limits": list(LIMITS),
         "scenes": {"fit": list(sweep.fit), "test": [name for name in scenes if name not in sweep.fit]},
         "order": [variant.label for variant in sweep.variants],
-        "fits": {
-            label: {**dataclasses.asdict(scalars), "rmse": error} for label, (scalars, error) in fits(sweep, journal).items()
-        },
+        "fits": {label: {**dataclasses.asdict(scalars), "rmse": error} for label, (scalars, error) in found_fits.items()},
         "rows": rows,
     }
     found["sizes"] = [_at_size(found, size_text(size)) for size in dict.fromkeys(view.size for view in sweep.views)]

@@ -45,10 +45,6 @@ class Trial:
     size: Size
 
     @property
-    def label(self) -> str:
-        return self.method
-
-    @property
     def at(self) -> str:
         return f"{self.axis} {self.value:g}"
 

@@ -44,16 +44,18 @@ class Sweep:
     """Size at which errors are split into model, sampling and filter; None: not at all."""
     scaling: bool = False
 
+    @property
+    def contents(self) -> dict[str, str]:
+        """View -> hash of what is seen there."""
+        return {view.name: view.content for view in self.views}
+
     def header(self, machine: dict[str, Any], code: str) -> dict[str, Any]:
-        """What every measured row depends on beside its view and variant: another header, another journal."""
+        """What every measured row depends on beside its key: another header, another journal."""
         return {
             "format": 1,
             "code": code,
             "truth": as_table(self.tracing),
             "rounds": self.rounds,
-            "split": self.split,
-            "fit": list(self.fit),
-            "scenes": [[view.name, view.triangles] for view in self.views],
             "machine": {
                 key: machine[key] for key in ("provider", "renderer", "gl_version", "cpu", "cores", "threads", "packages")
             },

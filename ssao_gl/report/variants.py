@@ -52,7 +52,7 @@ def variants(methods: Sequence[str] = (), presets: Sequence[str] = (), ranges: I
         for name in chosen
         for label, record in _records(name, presets, spreads.get(name, {})).items()
     ]
-    known = {label for name in chosen for label in (DEFAULT, *_presets(name))}
+    known = dict.fromkeys(label for name in chosen for label in (DEFAULT, *_presets(name)))
     for preset in presets:
         if preset not in known:
             raise SettingsError(

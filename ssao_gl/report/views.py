@@ -11,6 +11,8 @@ from ..adapters.camera_files import load_cameras
 from ..camera import Camera, Size
 from ..errors import SettingsError, near_miss
 from ..scene import Scene
+from ..truth.cache import content_key
+from ..truth.settings import Tracing
 
 AUTOMATIC = "auto"
 CAMERAS = ".cam.json"
@@ -25,6 +27,8 @@ class View:
     camera: Camera
     size: Size
     triangles: int
+    content: str
+    """Hash of the scene's triangles, the camera and the size."""
 
     @property
     def name(self) -> str:
@@ -55,7 +59,7 @@ def views(paths: Sequence[Path], cameras: Sequence[str], sizes: Sequence[Size]) 
         for camera in _cameras(path, scene, sizes[0]):
             known.append(camera.name)
             if not cameras or camera.name in cameras:
-                made += [View(name, path, camera, size, scene.triangles) for size in sizes]
+                made += [View(name, path, camera, size, scene.triangles, _content(scene, camera, size)) for size in sizes]
     for camera_name in cameras:
         if camera_name not in known:
             names = ", ".join(dict.fromkeys(known))
@@ -67,6 +71,10 @@ def by_scene(some: Sequence[View]) -> Iterator[tuple[Scene, list[View]]]:
     """Views with their scene; one scene is in memory at a time."""
     for path in dict.fromkeys(view.path for view in some):
         yield load(path), [view for view in some if view.path == path]
+
+
+def _content(scene: Scene, camera: Camera, size: Size) -> str:
+    return content_key(scene, camera, size, Tracing(radius=camera.ao_radius or scene.default_radius()))
 
 
 def _names(paths: Sequence[Path]) -> list[str]:
