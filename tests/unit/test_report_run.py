@@ -1,0 +1,117 @@
+"""The whole command, small: everything is written, a second start measures nothing, the gate tells better from worse."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from ssao_gl.cli import main
+from ssao_gl.report.run import Run
+
+pytest.importorskip("embreex")
+pytest.importorskip("matplotlib")
+pytest.importorskip("flip_evaluator")
+
+SMALL = [
+    "--size",
+    "64x36",
+    "--spp",
+    "4",
+    "--rounds",
+    "1",
+    "--methods",
+    "alchemy,lecture",
+    "--presets",
+    "low,4",
+    "--reference-size",
+    "32x18",
+]
+
+
+def report(folder: Path, *more: str) -> int:
+    with pytest.raises(SystemExit) as left:
+        main(["-q", "report", "-o", str(folder), "--cache", str(folder / "truth"), *SMALL, *more])
+    return int(left.value.code or 0)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("report")
+    assert report(made) == 0
+    return made
+
+
+def test_all_files_are_there_and_tell_the_same(folder: Path) -> None:
+    results = json.loads((folder / "results.json").read_text())
+    (at,) = results["sizes"]
+    labels = [point["label"] for point in at["shipped"]]
+    assert labels == ["alchemy low", "lecture 4", "rays 1", "rays 2", "rays 4", "rays 8"]
+    assert any(point["front"] for point in at["shipped"]) and at["yardstick_ms"] > 0
+    assert {row["variant"] for row in results["rows"]["split"]} == {"alchemy low", "lecture 4"}
+    assert {"renderer", "gl_version", "cores", "packages", "commit"} <= set(results["machine"])
+    with (folder / "results.csv").open() as file:
+        lines = list(csv.DictReader(file))
+    assert [line["track"] for line in lines] == ["shipped"] * 2 + ["fitted"] * 2 + ["rays"] * 4
+    for label in labels:
+        assert label in (folder / "report.md").read_text()
+    for name in ("front-64x36", "fitted-64x36", "passes-64x36", "split"):
+        assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG") and "<svg" in (folder / f"{name}.svg").read_text()
+
+
+def test_errors_are_sound(folder: Path) -> None:
+    at = json.loads((folder / "results.json").read_text())["sizes"][0]
+    error = {point["label"]: point["errors"]["rmse"] for point in [*at["shipped"], *at["constants"]]}
+    assert error["rays 8"] < error["rays 1"] < error["constant 1"]
+    assert error["alchemy low"] < error["constant mean"]
+    fitted = {point["label"]: point["errors"]["rmse"] for point in at["fitted_held_out"]}
+    assert fitted["alchemy low"] <= error["alchemy low"] + 1e-3  # one scene: it is fitted where it is measured
+
+
+def test_the_page_needs_nothing_else(folder: Path) -> None:
+    page = (folder / "report.html").read_text()
+    assert not re.search(r'(?:src|href)="(?!data:|#)', page) and "url(" not in re.sub(r"url\(#[\w-]+\)", "", page)
+    assert not re.search(r"@\w+@", page) and page.count("<svg") == 4
+    assert page.count('class="pictures trio"') == 4 and "upper bound of what fitting gives" in page
+
+
+def test_a_second_start_measures_nothing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = (folder / "journal.jsonl").read_bytes()
+    monkeypatch.setattr(Run, "_step", lambda self, step, setup: pytest.fail(f"measured {step.title} again"))
+    assert report(folder) == 0
+    assert (folder / "journal.jsonl").read_bytes() == before
+
+
+def test_the_gate(folder: Path, tmp_path: Path) -> None:
+    results = json.loads((folder / "results.json").read_text())
+    for row in results["rows"]["shipped"]:
+        row["errors"]["rmse"] *= 1.1
+    worse = tmp_path / "worse.json"
+    worse.write_text(json.dumps(results))
+    codes = []
+    for old, new in ((folder / "results.json", worse), (worse, folder / "results.json")):
+        with pytest.raises(SystemExit) as left:
+            main(["-q", "report", "--compare", str(old), str(new)])
+        codes.append(left.value.code)
+    assert codes == [1, 0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["missing.glb"], "no such file"),
+        (["--compare", "missing.json"], "no such file"),
+        (["--rounds", "0"], "at least 1"),
+        (["--fit", "nothing"], "no such scene"),
+        (["--cameras", "nobody"], "no scene has it"),
+        (["-o", "/dev/null/x"], "cannot write"),
+    ],
+)
+def test_bad_input_is_one_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["report", *arguments])
+    said = capsys.readouterr().err
+    assert left.value.code == 2 and message in said and said.count("\n") == 1
