@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
 import logging
 import math
 import warnings
@@ -35,6 +36,8 @@ SPAN = (1e-30, 1e30)
 """Sizes of a scene that 32-bit arithmetic can take."""
 FAR = 16
 """Sizes of a mesh that its middle may lie off the origin before its vertices are stored about the middle."""
+LARGE = 10**5
+"""Triangles from which memory is given back at once."""
 MAX_TRIANGLES = 10**9
 """More, by instances of instances, would keep a software renderer busy for hours."""
 
@@ -48,16 +51,9 @@ def load(path: Path | str, *, crease: float = CREASE, up: str = "auto") -> Scene
     path = Path(path)
     if reason := unreadable(path):
         raise SceneError(f"{path}: {reason}; expected a scene file")
-    from . import mesh_files
-
-    kind, known = mesh_files.kind_of(path.name), mesh_files.formats()
-    if kind not in known:
-        raise SceneError(f"{path}: unknown mesh format '.{kind}'; this trimesh reads {', '.join(known)}")
     try:
         with _quiet():
-            loaded = mesh_files.read(path)
-            soup = loaded.kind not in mesh_files.GLTF
-            scene = from_trimesh(loaded.scene, crease=crease, up=_up(up, loaded.kind), name=path.name, weld_vertices=soup)
+            scene = _read(path, crease, up)
     except SceneError as error:
         raise SceneError(f"{path}: {error}") from error
     except (KeyboardInterrupt, SystemExit):
@@ -65,8 +61,22 @@ def load(path: Path | str, *, crease: float = CREASE, up: str = "auto") -> Scene
     except BaseException as error:  # the readers raise whatever a broken file leads them into
         brief = " ".join(str(error).split())[:200] or "its data contradict each other"
         raise SceneError(
-            f"{path}: not a readable {kind} file ({type(error).__name__}: {brief}); is it truncated or broken?"
+            f"{path}: not a readable mesh file ({type(error).__name__}: {brief}); is it truncated or broken?"
         ) from error
+    if scene.triangles > LARGE:
+        gc.collect()  # meshes of trimesh refer to themselves, and would stay beside what is uploaded now
+    return scene
+
+
+def _read(path: Path, crease: float, up: str) -> Scene:
+    from . import mesh_files
+
+    kind, known = mesh_files.kind_of(path.name), mesh_files.formats()
+    if kind not in known:
+        raise SceneError(f"unknown mesh format '.{kind}'; this trimesh reads {', '.join(known)}")
+    loaded = mesh_files.read(path)
+    soup = loaded.kind not in mesh_files.GLTF
+    scene = from_trimesh(loaded.scene, crease=crease, up=_up(up, loaded.kind), name=path.name, weld_vertices=soup)
     if loaded.missing:
         names = ", ".join(repr(name) for name in dict.fromkeys(loaded.missing))
         LOG.warning("%s: drawn without %s, which is not in its folder", path, names[:300])

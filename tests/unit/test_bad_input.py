@@ -214,7 +214,7 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
     "data URI broken": (
         "a.gltf",
         json.dumps(changed("buffers.0.uri", "data:;base64," + "!" * 80)).encode(),
-        "not a readable gltf",
+        "not a readable mesh file",
     ),
     "PLY header only": ("a.ply", b"ply\nformat ascii 1.0\nelement vertex 3\n", "no complete PLY header"),
     "PLY of 10^12 vertices": ("a.ply", ply(f"element vertex {BIG}\n{XYZ}"), "announces 1000000000000 of 'vertex'"),
@@ -253,7 +253,7 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
     "OFF index 9": ("a.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 9\n", "outside the range"),
     "too large": ("a.obj", obj("v 0 0 0\nv 1e40 0 0\nv 0 1e40 0"), "scale it"),
     "too small": ("a.obj", obj("v 0 0 0\nv 1e-40 0 0\nv 0 1e-40 0"), "scale it"),
-    "ZIP broken": ("a.zip", zipped(a__obj=OBJ.encode())[:-10], "not a readable zip"),
+    "ZIP broken": ("a.zip", zipped(a__obj=OBJ.encode())[:-10], "not a readable mesh file"),
     "ZIP of nothing": ("a.zip", zipped(readme__txt=b"hello"), "holds 0 mesh files"),
     "ZIP bomb": ("a.zip", zipped(a__stl=b"\0" * (200 << 20)), "unpacks to more than 50 times"),
     "gzip bomb": ("a.tar.gz", gzip.compress(b"\0" * (200 << 20)), "unpacks to more than 50 times"),
@@ -265,7 +265,7 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
         zipped(a__gltf=json.dumps(changed("buffers.0.uri", "../outside.bin")).encode()),
         "not in its folder",
     ),
-    "tar with a bad header": ("a.tar.gz", gzip.compress(b"\xff" * 2000), "not a readable tar.gz"),
+    "tar with a bad header": ("a.tar.gz", gzip.compress(b"\xff" * 2000), "not a readable mesh file"),
 }
 
 
