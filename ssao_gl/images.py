@@ -89,7 +89,10 @@ def _save_exr(path: Path, array: NDArray[Any], texts: Mapping[str, str]) -> None
     name = "Y" if array.ndim == 2 else {3: "RGB", 4: "RGBA"}[array.shape[2]]
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **dict(texts)}
     with OpenEXR.File(header, {name: array}) as file:
-        file.write(str(path))
+        try:
+            file.write(str(path))
+        except RuntimeError as error:  # all that the library says of a full disk
+            raise OSError("the EXR encoder failed; is the disk full?") from error
 
 
 def load(path: Path | str) -> NDArray[Any]:

@@ -721,6 +721,17 @@ def test_full_disk(folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch
     assert list(folder.iterdir()) == [target] and target.read_bytes() == b"older"
 
 
+@pytest.mark.parametrize("name", ["a.png", "a.npy", "a.exr", "turn.gif"])
+def test_file_too_large(name: str, folder: Path) -> None:
+    """As on a full disk, but for real: the system refuses after 2 KiB."""
+    script = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (2048, 2048)); from ssao_gl.cli import main; main(sys.argv[1:])"
+    options = ["--turntable", "2"] if name == "turn.gif" else []
+    line = [sys.executable, "-c", script, "render", "--size", "320x240", "-o", str(folder / name), *options]
+    ran = subprocess.run(line, capture_output=True, text=True, timeout=60)
+    assert ran.returncode == 2 and ran.stderr.startswith(f"ssao-gl: cannot write {folder / name}: "), ran.stderr
+    assert ran.stderr.count("\n") == 1 and not list(folder.iterdir())
+
+
 def test_verbose_shows_the_trace(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
     code, _, err = run("-v", "explain", folder / "gone.glb", capsys=capsys)
     assert code == 2 and "Traceback" in err and "ssao-gl: " in err.splitlines()[-1]
