@@ -34,11 +34,13 @@ def apply(
         Parameter(help="View-space normals, NPY or EXR (h, w, 3), or PNG as 0.5 + 0.5 n. [default: rebuilt from depth]"),
     ] = None,
     depth_kind: Annotated[str, Parameter(help="eye (scene units) or window (0..1).")] = "eye",
-    yfov_deg: Annotated[float | None, Parameter(help="Vertical field of view, degrees; or --intrinsics, or --ortho.")] = None,
-    intrinsics: Annotated[
-        str | None, Parameter(help="fx,fy,cx,cy in pixels, as OpenCV gives them.", allow_leading_hyphen=True)
+    yfov_deg: Annotated[
+        float | None, Parameter(help="Vertical field of view, degrees. [this, --intrinsics or --ortho is needed]")
     ] = None,
-    ortho: Annotated[float | None, Parameter(help="Parallel projection this many scene units high.")] = None,
+    intrinsics: Annotated[
+        str | None, Parameter(help="fx,fy,cx,cy in pixels, as OpenCV gives them. [likewise]", allow_leading_hyphen=True)
+    ] = None,
+    ortho: Annotated[float | None, Parameter(help="Parallel projection this many scene units high. [likewise]")] = None,
     znear: Annotated[float, Parameter(help="Near plane, scene units; matters for window depth.")] = 0.01,
     zfar: Annotated[float, Parameter(help="Far plane, scene units; inf for none.")] = math.inf,
     strength: Annotated[float, Parameter(help="0 leaves the colour as it is, 1 dims it by all of the occlusion.")] = 1.0,

@@ -24,7 +24,9 @@ def compare(
             help="Exit with 1 when any value differs by more (1/255 for PNG, the array's own unit for floats). [default: no limit]"
         ),
     ] = None,
-    metric: Annotated[str, Parameter(help="More numbers, by commas: rmse, psnr (dB), ssim, flip. [default: none]")] = "",
+    metric: Annotated[
+        str, Parameter(help="More numbers, by commas: rmse, psnr (dB), ssim, flip. [default: none]", show_default=False)
+    ] = "",
     diff: Annotated[
         Path | None, Parameter(help="Write actual | expected | difference x 16 to this PNG file. [default: none]")
     ] = None,
