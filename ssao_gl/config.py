@@ -15,7 +15,6 @@ from .passes.blur import BLURS, blur
 from .pipeline import Settings, Shading
 from .settings import assign
 
-
 NAMES = ("method", "blur", "normals")
 """Settings of their own, in no group."""
 
