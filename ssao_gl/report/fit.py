@@ -19,10 +19,12 @@ LEVELS = 256
 FACTORS = (0.35, 0.5, 0.71, 1.0, 1.41, 2.0, 2.83)
 """Radius factors that are tried: every half octave."""
 
-STRENGTHS, POWERS = (0.05, 8.0), (0.2, 5.0)
+STRENGTHS, POWERS = (0.1, 8.0), (0.25, 4.0)
 """Bounds of the search."""
 
-GRID, REFINEMENTS = 33, 5
+GRID, REFINEMENTS, NEAR = 33, 9, 6
+"""Points a side, finer grids, and half the width of each in steps of the one before: wide, since strength and power can
+stand in for each other and the valley between them is narrow and curved."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +84,8 @@ def fit(tried: Mapping[float, Sequence[Levels]]) -> tuple[Scalars, float]:
 
 def _strength_and_power(views: Sequence[Levels]) -> tuple[float, float, float]:
     """(strength, power, mean RMSE): a grid in logarithms, then finer ones about its best point."""
-    low, high = np.log([STRENGTHS[0], POWERS[0]]), np.log([STRENGTHS[1], POWERS[1]])
+    bounds = np.log([STRENGTHS, POWERS])
+    low, high = bounds.T
     open_ = 1 - np.arange(LEVELS) / (LEVELS - 1)
     best = (1.0, 1.0, np.inf)
     for _ in range(REFINEMENTS):
@@ -93,7 +96,7 @@ def _strength_and_power(views: Sequence[Levels]) -> tuple[float, float, float]:
         k, p = np.unravel_index(int(np.argmin(error)), error.shape)
         if error[k, p] < best[2]:
             best = (float(strength[k]), float(power[p]), float(error[k, p]))
-        step = 2 * (high - low) / (GRID - 1)
+        step = NEAR * (high - low) / (GRID - 1)
         middle = np.log(best[:2])
-        low, high = middle - step, middle + step
+        low, high = np.clip([middle - step, middle + step], *bounds.T)
     return best

@@ -7,14 +7,19 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import Any
 
+import numpy as np
+
 from ..errors import SettingsError
 from .labels import spread
-from .points import MEDIAN, place
+from .points import MEDIAN, Point, marked, place
 
 INK = "#454647"
 """Colour of text and axes in the files; the page puts its own text colour there."""
 
 COLORS = ("#2a78b8", "#d9731a", "#2e9a4f", "#c23b3b", "#8862bd", "#8d6450", "#cf6db0", "#9a9a22", "#17a2b1", "#5b6770")
+FAR = 16.0
+"""Pixels from a point to its name beyond which a line joins them."""
+
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*", "<", ">")
 
 
@@ -31,16 +36,19 @@ class Plot:
 def plots(found: Mapping[str, Any]) -> list[Plot]:
     """Every plot that the results have something for. Raises SettingsError without matplotlib."""
     made = []
+    software = found["machine"]["software"]
     for at in found["sizes"]:
+        size = at["size"]
         if at["shipped"]:
-            made.append(
-                _drawn(f"front-{at['size']}", f"Error against time, {at['size']}, as shipped", _front(at, at["shipped"]))
-            )
+            made.append(_drawn(f"front-{size}", f"Error against time, {size}, as shipped", _front(at, at["shipped"])))
+            # What else the machine does disturbs this clock least; on a GPU it says nothing.
+            title = f"Error against CPU time, {size}, as shipped"
+            made += [_drawn(f"front-cpu-{size}", title, _front(at, at["shipped"], clock="cpu"))] if software else []
         if at["fitted_held_out"]:
             rays = [p for p in at["shipped_held_out"] if p["method"] == "rays"]
-            title = f"Error against time, {at['size']}, fitted"
-            made.append(_drawn(f"fitted-{at['size']}", title, _front(at, [*at["fitted_held_out"], *rays])))
-        made.append(_drawn(f"passes-{at['size']}", f"Time per pass, {at['size']}", _passes(at)))
+            every = [*at["fitted_held_out"], *rays]
+            made.append(_drawn(f"fitted-{size}", f"Error against time, {size}, fitted", _front(at, every, held_out=True)))
+        made.append(_drawn(f"passes-{size}", f"Time per pass, {size}", _passes(at)))
     if any("model" in row for row in found["rows"]["split"]):
         made.append(_drawn("split", "Error split: model, sampling, filter", _split(found)))
     if any("times" in row for row in found["rows"]["scaling"]):
@@ -81,34 +89,38 @@ def _drawn(name: str, title: str, draw: Callable[[Any], None], size: tuple[float
     return Plot(name, title, svg.getvalue().decode(), png.getvalue())
 
 
-def _front(at: Mapping[str, Any], points: Sequence[Mapping[str, Any]]) -> Callable[[Any], None]:
+def _front(
+    at: Mapping[str, Any], points: Sequence[Point], *, clock: str = "wall", held_out: bool = False
+) -> Callable[[Any], None]:
+    some = marked(points, len(at["held_out" if held_out else "views"]), clock)
+    yard = at["yardstick_ms" if clock == "wall" else "yardstick_cpu_ms"]
+    over = "held-out views" if held_out else "views"
+
     def draw(figure: Any) -> None:
         axes = figure.add_subplot()
         axes.set_xscale("log")
         style = styles(list(dict.fromkeys(p["method"] for p in at["shipped"])))
-        by_method: dict[str, list[Mapping[str, Any]]] = {}
-        for point in points:
-            by_method.setdefault(point["method"], []).append(point)
-        for name, some in by_method.items():
+        for name in dict.fromkeys(p["method"] for p in some):
             color, marker = style[name]
-            some = sorted(some, key=lambda p: place(p))
-            axes.plot(*zip(*map(place, some), strict=True), marker=marker, color=color, label=name, lw=1.2, ms=6, alpha=0.9)
-        best = sorted(place(p) for p in points if p["front"])
+            line = sorted(place(p, clock) for p in some if p["method"] == name)
+            axes.plot(*zip(*line, strict=True), marker=marker, color=color, label=name, lw=1.2, ms=6, alpha=0.9)
+        best = sorted(place(p, clock) for p in some if p["front"])
         if best:
             axes.step(*zip(*best, strict=True), where="post", color=INK, lw=5, alpha=0.18, label="Pareto front", zorder=1)
         for still, dashes in zip(at["constants"], (":", "--"), strict=False):
             error = still["errors"]["rmse"]
             axes.axhline(error, color=INK, lw=1, ls=dashes, label=f"{still['label']}: {error:.3f}")
-        _ranges(axes, at, [place(p) for p in points])
-        axes.set_xlabel("milliseconds after the G-buffer (log scale; upper axis: multiples of the lecture's 4-tap pass)")
-        axes.set_ylabel("RMSE against rays (mean over views)")
+        _ranges(axes, yard, [place(p, clock) for p in some])
+        kind = "CPU milliseconds" if clock == "cpu" else "milliseconds"
+        axes.set_xlabel(f"{kind} after the G-buffer (log scale; upper axis: multiples of the lecture's 4-tap pass)")
+        axes.set_ylabel(f"RMSE against rays (mean over {over})")
         figure.legend(loc="outside right upper", frameon=False, fontsize=9)
-        _name(figure, axes, points, style)
+        _name(figure, axes, some, [place(p, clock) for p in some], style)
 
     return draw
 
 
-def _ranges(axes: Any, at: Mapping[str, Any], places: Sequence[tuple[float, float]]) -> None:
+def _ranges(axes: Any, yard: float | None, places: Sequence[tuple[float, float]]) -> None:
     """Room around the points for their names, plain numbers on the time axis, and multiples of the yardstick above it."""
     from matplotlib.ticker import FuncFormatter, LogLocator
 
@@ -117,11 +129,9 @@ def _ranges(axes: Any, at: Mapping[str, Any], places: Sequence[tuple[float, floa
     # The constants' lines are shown where they are near; the legend has their values anyhow.
     room = 0.25 * max(max(errors) - min(errors), 0.1 * max(errors), 1e-6)
     axes.set_ylim(max(0.0, min(errors) - room), max(errors) + room)
-    plain = FuncFormatter(lambda value, _: f"{value:g}")
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.xaxis.set_major_formatter(plain)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter("")
-    yard = at["yardstick_ms"]
     if yard:
         above = axes.secondary_xaxis("top", functions=(lambda ms: ms / yard, lambda times: times * yard))
         above.xaxis.set_major_locator(LogLocator(base=2, numticks=20))
@@ -129,28 +139,28 @@ def _ranges(axes: Any, at: Mapping[str, Any], places: Sequence[tuple[float, floa
         above.xaxis.set_minor_formatter("")
 
 
-def _name(figure: Any, axes: Any, points: Sequence[Mapping[str, Any]], style: Mapping[str, tuple[str, str]]) -> None:
-    """Each point's name beside it, where nothing else is; front points in bold."""
+def _name(
+    figure: Any, axes: Any, points: Sequence[Point], places: Sequence[tuple[float, float]], style: Mapping[str, tuple[str, str]]
+) -> None:
+    """Each point's name beside it, where nothing else is, joined to it by a line where that is far; the front in bold."""
     figure.draw_without_rendering()  # settles where the axes are
-    renderer = figure.canvas.get_renderer()
-    texts = []
-    for point in points:
-        weight = "bold" if point["front"] else "normal"
-        color = style[point["method"]][0]
-        texts.append(axes.text(*place(point), point["label"], fontsize=8.5, color=color, weight=weight, zorder=5))
-    pixel = [tuple(axes.transData.transform(place(point))) for point in points]
-    sizes = [(box.width, box.height) for box in (text.get_window_extent(renderer) for text in texts)]
-    frame = axes.get_window_extent(renderer)
+    renderer, to_data = figure.canvas.get_renderer(), axes.transData.inverted().transform
     lines = [line.get_transform().transform(line.get_xydata()) for line in axes.get_lines()]
-    corners = spread(pixel, sizes, (frame.x0, frame.y0, frame.x1, frame.y1), lines)
-    for text, at, corner, size in zip(texts, pixel, corners, sizes, strict=True):
-        text.set_position(axes.transData.inverted().transform(corner))
-        text.set_va("bottom")
-        middle = (corner[0] + size[0] / 2, corner[1] + size[1] / 2)
-        if abs(middle[0] - at[0]) > size[0] / 2 + 14 or abs(middle[1] - at[1]) > size[1] / 2 + 14:
-            near = (min(max(at[0], corner[0]), corner[0] + size[0]), min(max(at[1], corner[1]), corner[1] + size[1]))
-            line = [axes.transData.inverted().transform(p) for p in (at, near)]
-            axes.plot(*zip(*line, strict=True), color=text.get_color(), lw=0.6, alpha=0.7, zorder=2)
+    texts = [
+        axes.text(
+            *at, point["label"], fontsize=8.5, color=style[point["method"]][0], weight="bold" if point["front"] else "normal",
+            va="bottom", zorder=5,
+        )
+        for point, at in zip(points, places, strict=True)
+    ]  # fmt: skip
+    sizes = np.array([(box.width, box.height) for box in (text.get_window_extent(renderer) for text in texts)])
+    marks, frame = axes.transData.transform(places), axes.get_window_extent(renderer)
+    corners = spread(marks, sizes, (frame.x0, frame.y0, frame.x1, frame.y1), lines)
+    nearest = np.clip(marks, corners, corners + sizes)
+    for text, mark, corner, near in zip(texts, marks, corners, nearest, strict=True):
+        text.set_position(to_data(corner))
+        if np.hypot(*(mark - near)) > FAR:
+            axes.plot(*np.transpose(to_data([mark, near])), color=text.get_color(), lw=0.6, alpha=0.7, zorder=2)
 
 
 def _bars(axes: Any, labels: Sequence[str], parts: Mapping[str, Sequence[float]], *, stacked: bool) -> None:
@@ -209,7 +219,10 @@ def _scaling(found: Mapping[str, Any]) -> Callable[[Any], None]:
     slopes = {(row[0], row[1]): row[7] for row in exponents(rows)}
 
     def draw(figure: Any) -> None:
+        from matplotlib.ticker import FuncFormatter
+
         style = styles(list(dict.fromkeys(row["variant"] for row in rows)))
+        plain = FuncFormatter(lambda value, _: f"{value:g}" if value < 1e4 else f"{value / 1e6:g} M")
         every = figure.subplots(1, len(AXES))
         for axes, (axis, title) in zip(every, AXES.items(), strict=True):
             for (name, which), some in series(rows).items():
@@ -220,7 +233,10 @@ def _scaling(found: Mapping[str, Any]) -> Callable[[Any], None]:
                     color, marker = style[name]
                     axes.plot([row["value"] for row in some], times, color=color, marker=marker, label=label, lw=1.2, ms=5)
             axes.set_xscale("log", base=10 if axis == "pixels" else 2)
-            axes.set_yscale("log")
+            axes.set_yscale("log", base=10, subs=(2, 5))
+            for ruler in (axes.xaxis, axes.yaxis):
+                ruler.set_major_formatter(plain)
+                ruler.set_minor_formatter(plain if ruler is axes.yaxis else "")
             axes.set_xlabel(title)
             axes.legend(frameon=False, fontsize=8)
         every[0].set_ylabel("milliseconds after the G-buffer")

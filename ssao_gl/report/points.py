@@ -38,16 +38,16 @@ def points(rows: Iterable[Row], views: Collection[str], *, track: str) -> list[P
     return marked(found, len(views))
 
 
-def marked(some: Sequence[Point], views: int) -> list[Point]:
+def marked(some: Sequence[Point], views: int, clock: str = "wall") -> list[Point]:
     """The same points, with ``front`` set among those that took part in all views."""
     full = [point for point in some if point["views"] == views and point["errors"].get("rmse") is not None]
-    best = dict(zip(map(id, full), pareto.front([place(point) for point in full]), strict=True))
+    best = dict(zip(map(id, full), pareto.front([place(point, clock) for point in full]), strict=True))
     return [{**point, "front": best.get(id(point), False)} for point in some]
 
 
-def place(point: Point) -> pareto.Point:
+def place(point: Point, clock: str = "wall") -> pareto.Point:
     """(milliseconds after the G-buffer, RMSE)."""
-    return point["wall"]["total"], point["errors"]["rmse"]
+    return point[clock]["total"], point["errors"]["rmse"]
 
 
 def constants(views: Sequence[Row], fitting: Collection[str]) -> list[dict[str, Any]]:

@@ -66,9 +66,10 @@ class Run:
         missing = [one for one in trials if not find("scaling", view.name, one.method, one.at)]
 
         def work(setup: Setup, tell: Callable[[float], None]) -> None:
-            for number, one in enumerate(missing):
-                values = scaling.measure(setup, one, self.sweep.rounds)
-                self.journal.add("scaling", view.name, one.method, one.at, **values)
-                tell((number + 1) / len(missing))
+            groups = scaling.together(missing)
+            for number, some in enumerate(groups):
+                for one, values in zip(some, scaling.measure(setup, some, self.sweep.rounds), strict=True):
+                    self.journal.add("scaling", view.name, one.method, one.at, **values)
+                tell((number + 1) / len(groups))
 
         return [Step(view, "scaling", 10.0 * len(missing), work)] if missing else []

@@ -61,17 +61,31 @@ def trials(sweep: Sweep, view: View) -> list[Trial]:
     return found
 
 
-def measure(setup: Setup, trial: Trial, rounds: int) -> dict[str, Any]:
-    """Times of a trial, or why the method refuses it."""
-    place = dataclasses.replace(setup, size=trial.size)
-    try:
-        settings = Settings(method=_record(setup, trial))
-        found = timed(place, {"trial": settings}, rounds)
-    except SettingsError as error:
-        return {"refused": str(error)}
-    if "trial" in found.refused:
-        return {"refused": found.refused["trial"]}
-    return {"axis": trial.axis, "value": trial.value, "times": found.times["trial"], YARD: found.yardstick}
+def together(some: Sequence[Trial]) -> list[list[Trial]]:
+    """Trials that take turns in the same rounds: those of one axis and one size."""
+    found: dict[tuple[str, Size], list[Trial]] = {}
+    for one in some:
+        found.setdefault((one.axis, one.size), []).append(one)
+    return list(found.values())
+
+
+def measure(setup: Setup, some: Sequence[Trial], rounds: int) -> list[dict[str, Any]]:
+    """Times of each trial, or why the method refuses it; all of one size."""
+    settings: dict[str, Settings] = {}
+    refused: dict[str, str] = {}
+    for number, one in enumerate(some):
+        try:
+            settings[str(number)] = Settings(method=_record(setup, one))
+        except SettingsError as error:
+            refused[str(number)] = str(error)
+    found = timed(dataclasses.replace(setup, size=some[0].size), settings, rounds)
+    refused.update(found.refused)
+    return [
+        {"axis": one.axis, "value": one.value, YARD: found.yardstick, "times": found.times[key]}
+        if (key := str(number)) in found.times
+        else {"refused": refused[key]}
+        for number, one in enumerate(some)
+    ]
 
 
 def count_field(record: Method) -> str | None:

@@ -58,7 +58,7 @@ def test_all_files_are_there_and_tell_the_same(folder: Path) -> None:
     assert [line["track"] for line in lines] == ["shipped"] * 2 + ["fitted"] * 2 + ["rays"] * 4
     for label in labels:
         assert label in (folder / "report.md").read_text()
-    for name in ("front-64x36", "fitted-64x36", "passes-64x36", "split"):
+    for name in ("front-64x36", "front-cpu-64x36", "fitted-64x36", "passes-64x36", "split"):
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG") and "<svg" in (folder / f"{name}.svg").read_text()
 
 
@@ -74,7 +74,7 @@ def test_errors_are_sound(folder: Path) -> None:
 def test_the_page_needs_nothing_else(folder: Path) -> None:
     page = (folder / "report.html").read_text()
     assert not re.search(r'(?:src|href)="(?!data:|#)', page) and "url(" not in re.sub(r"url\(#[\w-]+\)", "", page)
-    assert not re.search(r"@\w+@", page) and page.count("<svg") == 4
+    assert not re.search(r"@\w+@", page) and page.count("<svg") == 5
     assert page.count('class="pictures trio"') == 4 and "upper bound of what fitting gives" in page
 
 
