@@ -35,7 +35,7 @@ def _option(text: str, group: str, *names: str) -> Parameter:
 
 def report(
     *scenes: Path,
-    output: Annotated[Path, _option("Folder for the report.", "Output", "--output", "-o")] = Path("report"),
+    output: Annotated[Path, _option("Folder for the report. [default: report]", "Output", "--output", "-o")] = Path("report"),
     size: Annotated[Listed, _option("WIDTHxHEIGHT, by commas or repeated. [default: 1280x720]", "Sweep", "--size")] = (),
     methods: Annotated[
         Listed, _option(f"Methods by commas. [default: all but the exhaustive {TRUTH}]", "Sweep", "--methods")
@@ -64,7 +64,12 @@ def report(
         _option("Scenes, by commas, on which the fitted track is fitted; none. [default: every second]", "Sweep", "--fit"),
     ] = None,
     no_reference: Annotated[
-        bool, Parameter(group="Truth", negative="", help="No exhaustive reference, and so no split of the error.")
+        bool,
+        Parameter(
+            group="Truth",
+            negative="",
+            help="No exhaustive reference, and so no split of the error (which needs a hard falloff).",
+        ),
     ] = False,
     reference_size: Annotated[
         str | None,
@@ -95,7 +100,7 @@ def report(
     scenes
         Scene files, with cameras in NAME.cam.json beside them. Without any: the embedded scene.
     """
-    from ..report.machine import code, machine
+    from ..report.machine import check_packages, code, machine
     from ..report.results import load, results
 
     before = load(compare) if compare else None
@@ -107,6 +112,7 @@ def report(
         raise SettingsError(f"--rounds {rounds}: must be at least 1")
     tracing = Tracing(falloff=falloff, normals=normals, spp=spp)
     check_writable(output, folder=True)
+    check_packages()
     seen = views(scenes, [name for name in _listed(cameras) if name != "all"], sizes)
     sweep = Sweep(
         views=seen,
@@ -114,7 +120,7 @@ def report(
         tracing=tracing,
         rounds=rounds,
         fit=fitting_scenes(fit, seen),
-        split=None if no_reference else parse_size(reference_size) if reference_size else split_size(sizes[0]),
+        split=_split_size(reference_size, sizes[0]) if falloff == Falloff.HARD and not no_reference else None,
         scaling=scaling,
     )
     from ..report.journal import Journal
@@ -122,7 +128,7 @@ def report(
     from ..report.run import Run
     from ..report.write import write
 
-    with Renderer(gl, keep=len(chosen) + 2) as renderer:
+    with Renderer(gl, keep=len({variant.method for variant in chosen}) + 3) as renderer:
         facts = machine(renderer.ctx)
         with Journal(output, sweep.header(facts, code()), sweep.contents) as journal:
             with _bar() as progress:
@@ -163,6 +169,12 @@ def _sizes(texts: Sequence[str]) -> list[Size]:
     for one in sizes:
         check_size(one)
     return sizes
+
+
+def _split_size(given: str | None, size: Size) -> Size:
+    chosen = parse_size(given) if given else split_size(size)
+    check_size(chosen)
+    return chosen
 
 
 def _cache(given: Path | None, output: Path) -> Path:

@@ -15,6 +15,7 @@ from ..methods import registry
 EXAMPLES: Mapping[str, Mapping[str, sources.Define]] = {
     "gbuffer.frag": {"TARGETS": 3, "DEPTH_TARGET": 0, "NORMAL_TARGET": 1, "COLOR": 2, "NORMAL": 1, "SMOOTH": 1},
     "gbuffer.vert": {"NORMAL": 1, "SMOOTH": 1},
+    "pack.frag": {"PACKED": 1},
     "blur_joint.frag": {"PACKED": 1, "RADIUS": 2, "LAST": 1, "PINHOLE": 1},
     "blur_intensity.frag": {"PACKED": 1, "RADIUS": 4, "WIDTH": 4, "HEIGHT": 4, "LAST": 1},
 }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.metadata
+import importlib.util
 import os
 import platform
 import subprocess
@@ -14,9 +15,19 @@ from pathlib import Path
 from typing import Any
 
 from .. import sources
+from ..errors import SettingsError
 from ..gl.context import Context
 
 PACKAGES = ("ssao_gl", "numpy", "moderngl", "embreex", "scipy", "scikit-image", "flip-evaluator", "matplotlib", "trimesh")
+NEEDED = {
+    "embreex": "embreex",
+    "scipy": "scipy",
+    "scikit-image": "skimage",
+    "flip-evaluator": "flip_evaluator",
+    "matplotlib": "matplotlib",
+}
+"""Package -> the module it is imported as."""
+
 THREADS = ("LP_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 PRESENTING = ("cli", "report")
 """Folders of the package that change no measurement."""
@@ -38,6 +49,13 @@ def machine(ctx: Context) -> dict[str, Any]:
         "packages": {name: version for name in PACKAGES if (version := _version(name))},
         "commit": commit(),
     }
+
+
+def check_packages() -> None:
+    """Raise SettingsError, before hours of work, when a package is missing that is needed at its end."""
+    missing = [name for name, module in NEEDED.items() if importlib.util.find_spec(module) is None]
+    if missing:
+        raise SettingsError(f"a report needs the packages {', '.join(missing)}: pip install 'ssao_gl[report]'")
 
 
 def now() -> str:

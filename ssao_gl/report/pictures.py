@@ -28,11 +28,6 @@ NOWHERE = (128, 128, 128)
 """Where there is no surface."""
 
 
-def colored(error: ArrayLike) -> NDArray[np.uint8]:
-    """Errors of any shape to colours, with one axis more; nan to grey."""
-    return palette()[indices(error)]
-
-
 def indices(error: ArrayLike) -> NDArray[np.uint8]:
     """Errors of any shape to places in the palette."""
     level = np.round((np.asarray(error, np.float64) / SPAN + 1) / 2 * (LEVELS - 1))

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from ..adapters.camera_files import load_cameras
 from ..camera import Camera, Size
-from ..errors import SettingsError, near_miss
+from ..errors import SceneError, SettingsError, near_miss
+from ..images import SUFFIXES
 from ..scene import Scene
 from ..truth.cache import content_key
 from ..truth.settings import Tracing
@@ -38,6 +39,8 @@ class View:
 
 def load(path: Path | None) -> Scene:
     """A scene file, or the embedded scene. Raises SceneError."""
+    if path is not None and path.suffix.lower() in SUFFIXES:
+        raise SceneError(f"{path}: a picture or depth array; a report traces rays, and needs a scene with triangles")
     if path is not None:
         return Scene.load(path)
     from ..default_scene import default_scene

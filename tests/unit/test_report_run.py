@@ -103,6 +103,7 @@ def test_the_gate(folder: Path, tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         (["missing.glb"], "no such file"),
+        (["depth.npy"], "needs a scene with triangles"),
         (["--compare", "missing.json"], "no such file"),
         (["--rounds", "0"], "at least 1"),
         (["--fit", "nothing"], "no such scene"),

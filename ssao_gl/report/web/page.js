@@ -45,6 +45,7 @@ function open(index) {
   document.getElementById("zoom-title").textContent = rows[shown].dataset.title;
   const fresh = zoom.hidden;
   zoom.hidden = false;
+  document.body.style.overflow = "hidden";
   panes.replaceChildren(...images.map(image => {
     const pane = document.createElement("div");
     pane.className = "pane";
@@ -82,10 +83,15 @@ panes.addEventListener("pointermove", event => {
   y += event.movementY;
   place();
 });
-panes.addEventListener("dblclick", () => { zoom.hidden = true; });
+function close() {
+  zoom.hidden = true;
+  document.body.style.overflow = "";
+}
+
+panes.addEventListener("dblclick", close);
 addEventListener("keydown", event => {
   if (zoom.hidden) return;
-  if (event.key === "Escape") zoom.hidden = true;
+  if (event.key === "Escape") close();
   if (event.key === "ArrowRight" || event.key === "ArrowDown") open(shown + 1);
   if (event.key === "ArrowLeft" || event.key === "ArrowUp") open(shown - 1);
   if (event.key.startsWith("Arrow")) event.preventDefault();
