@@ -129,7 +129,9 @@ def plan_filter(blur: Blur, size: Size) -> Plan:
     """The plan that filters a visibility from elsewhere, the input ``given``, by the depth and normals of a scene."""
     from .passes.gbuffer import gbuffer
 
-    return compile([gbuffer(Shading().background_rgb, geometric=True), screen.pack(), *blur.passes()], size, ["visibility"], ["given"])
+    return compile(
+        [gbuffer(Shading().background_rgb, geometric=True), screen.pack(), *blur.passes()], size, ["visibility"], ["given"]
+    )
 
 
 def plan_apply(

@@ -72,7 +72,12 @@ def truth(
         ),
     ] = None,
     no_cache: Annotated[bool, Parameter(group="Output", negative="", help="Keep nothing and take nothing from there.")] = False,
-    json: Annotated[Path | None, Parameter(group="Output", negative="", help="Write settings, standard error, rays and seconds to this file; - prints them.")] = None,
+    json: Annotated[
+        Path | None,
+        Parameter(
+            group="Output", negative="", help="Write settings, standard error, rays and seconds to this file; - prints them."
+        ),
+    ] = None,
     view: ViewOptions = ViewOptions(),
 ) -> int:
     """Trace ambient occlusion, or obscurance, of what a camera sees. The same command goes on where Ctrl-C cut it.

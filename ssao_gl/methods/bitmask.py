@@ -48,7 +48,9 @@ class Bitmask:
     steps: int = setting(8, "taps to each side of a slice", low=1, high=64)
     thickness: float = setting(0.4, "of what a texel shows, behind it", unit="radii", low=0, high=1000)
     bridge: float = setting(1.5, "thickness added per distance to the next tap, so that slabs leave no gaps", low=0, high=1000)
-    max_radius: float = setting(256.0, "largest footprint; nearer surfaces get a smaller reach", unit="pixels", low=1, high=4096)
+    max_radius: float = setting(
+        256.0, "largest footprint; nearer surfaces get a smaller reach", unit="pixels", low=1, high=4096
+    )
 
     def __post_init__(self) -> None:
         validate(self)

@@ -32,7 +32,9 @@ class Reference:
 
     radius: float | None = setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
     thickness: float | None = setting(0.5, "of what a texel shows, behind it; none: infinite", unit="radii", above=0, high=1000)
-    layers: int = setting(1, "2: also what lies directly behind (the renderer draws it; arrays and effects have one)", low=1, high=2)
+    layers: int = setting(
+        1, "2: also what lies directly behind (the renderer draws it; arrays and effects have one)", low=1, high=2
+    )
     slices: int = setting(64, "directions through each pixel", low=1, high=1024)
     max_steps: int = setting(1024, "largest reach to each side", unit="pixels", low=1, high=16384)
 

@@ -56,7 +56,12 @@ def lecture(z: Array, normal: Array, projection: Array, far: float, samples: Arr
 def check(renderer: ao.Renderer, scene: Scene, camera: Camera, samples: int) -> None:
     method = ao.Lecture(samples=samples)
     picture = renderer.render(
-        scene, camera, SIZE, ao.Settings(method=method, blur=None, normals="shading"), aovs=("visibility", "depth", "normal"), checked=True
+        scene,
+        camera,
+        SIZE,
+        ao.Settings(method=method, blur=None, normals="shading"),
+        aovs=("visibility", "depth", "normal"),
+        checked=True,
     )
     normal = np.where(picture.depth[..., None] > 0, picture.normal, [0.0, 0, 1])  # what the G-buffer is cleared to
     view = camera.view(SIZE)
