@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .adapters import pyrender as pyrender_adapter
-from .camera import Camera, Size
+from .camera import Camera
 from .errors import FormatError, SceneError, SettingsError
 from .gl.context import Context
 from .methods import Method
@@ -18,6 +18,7 @@ from .picture import Picture
 from .pipeline import Settings, Shading, as_method
 from .renderer import Renderer
 from .scene import Scene
+from .view import Size
 
 
 def as_scene(source: Any) -> Scene:

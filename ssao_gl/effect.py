@@ -11,7 +11,7 @@ from typing import Any, SupportsIndex
 
 import moderngl
 
-from .camera import Camera, Size
+from .camera import Camera
 from .errors import ContextError, FormatError, SettingsError
 from .gl.context import Context
 from .gl.foreign import Target, texture_size
@@ -20,6 +20,7 @@ from .gl.kit import FORMATS, Kit
 from .gl.providers import wrap_moderngl
 from .gl.state import GuestState
 from .pipeline import EYE_DEPTH, WINDOW_DEPTH, Settings, plan_apply
+from .view import Size
 
 Image = moderngl.Texture | SupportsIndex
 """A texture of the caller's: moderngl's object, or the GL name of a 2-D texture."""

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from .camera import Size
 from .errors import SettingsError, near_miss
 from .graph import Pass, Plan, compile
 from .methods import Method, method
@@ -16,6 +15,7 @@ from .methods.alchemy import Alchemy
 from .passes import screen
 from .passes.blur import Blur, Joint
 from .settings import setting, validate
+from .view import Size
 
 AOVS = ("image", "visibility", "depth", "normal", "color")
 """What a picture can hold: shaded image, visibility, linear depth, view-space normals, base colour."""

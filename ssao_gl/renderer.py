@@ -13,22 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import gl
-from .camera import Camera, Size, View
+from .camera import Camera
 from .effect import upload
-from .errors import FormatError, SettingsError
 from .gl.context import Context
 from .gl.frame import Frame, PassTime
 from .gl.kit import Kit
 from .graph import Plan
-from .images import flipped
+from .inputs import check_arrays, check_size, radius_of
 from .passes.blur import Blur
 from .passes.gbuffer import SceneOnGpu
 from .picture import Picture
-from .pipeline import RESOURCES, Settings, plan_apply, plan_filter, plan_render, resources
-from .scene import RADIUS_SHARE, Scene
-
-MAX_SIDE = 1 << 16
-
+from .pipeline import Settings, plan_apply, plan_filter, plan_render
+from .readback import aov, measure
+from .scene import Scene
+from .view import Size, View
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -86,7 +84,7 @@ class Renderer:
         settings, frame, view = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
         frame.run(view, context=self._scene, checked=checked)
-        arrays = {name: _aov(frame, name) for name in aovs}
+        arrays = {name: aov(frame, name) for name in aovs}
         report = self._report(settings, size, frame, time.perf_counter() - started)
         report |= measure(frame, timed, view, context=self._scene)
         used = self._scene.camera if self._scene else None
@@ -156,7 +154,7 @@ class Renderer:
         size = (w, h)
         settings = settings or Settings()
         if settings.method.radius is None:
-            settings = settings.with_radius(camera.ao_radius or _radius_of(depth, camera, depth_kind))
+            settings = settings.with_radius(camera.ao_radius or radius_of(depth, camera, depth_kind))
         outputs = ("visibility", "z", "normal", *(("image",) if color is not None else ()))
         frame = self._plan(
             ("apply", settings, size, depth_kind, normals is not None, outputs),
@@ -168,7 +166,7 @@ class Renderer:
         try:
             frame.run(camera.view(size), inputs, checked=checked)
             names = ("visibility", "depth", "normal", *(("image",) if color is not None else ()))
-            arrays = {name: _aov(frame, name, alpha=color is not None and color.shape[2] == 4) for name in names}
+            arrays = {name: aov(frame, name, alpha=color is not None and color.shape[2] == 4) for name in names}
             report = self._report(settings, size, frame, time.perf_counter() - started)
             report |= measure(frame, timed, camera.view(size), inputs)
         finally:
@@ -187,7 +185,7 @@ class Renderer:
         given = upload(self._kit, "given", check_arrays(visibility, None, None)[0])
         try:
             frame.run(camera.view(size), {"given": given}, context=self._scene, timed=True)
-            return _aov(frame, "visibility"), frame.times
+            return aov(frame, "visibility"), frame.times
         finally:
             given.release()
 
@@ -241,85 +239,3 @@ class Renderer:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.release()
-
-
-def measure(frame: Frame, rounds: int, view: View, inputs: Any = None, *, context: Any = None) -> dict[str, Any]:
-    """Median milliseconds over ``rounds`` frames: of each pass, of the G-buffer, and of everything after it."""
-    runs: list[list[PassTime]] = []
-    for _ in range(rounds):
-        frame.run(view, inputs, context=context, timed=True)
-        runs.append(frame.times)
-    if not runs:
-        return {}
-    medians = {p.name: float(np.median([run[i].ms for run in runs])) for i, p in enumerate(runs[0])}
-    return {
-        "passes": [{"name": name, "ms": ms} for name, ms in medians.items()],
-        "gbuffer_ms": medians.get("gbuffer", 0.0),
-        "ao_ms": sum(ms for name, ms in medians.items() if name != "gbuffer"),
-        "clock": runs[0][0].clock,
-        "rounds": rounds,
-    }
-
-
-def check_size(size: Size) -> None:
-    """Raises SettingsError unless ``size`` is (width, height) with sides from 1 to 65536."""
-    if len(size) != 2 or not all(1 <= side <= MAX_SIDE and side == int(side) for side in size):
-        raise SettingsError(f"size {'x'.join(map(str, size))}: must be WIDTHxHEIGHT with sides from 1 to {MAX_SIDE}")
-
-
-def check_arrays(
-    depth: NDArray[Any], color: NDArray[Any] | None, normals: NDArray[Any] | None
-) -> tuple[NDArray[np.float32], NDArray[np.uint8] | None, NDArray[np.float32] | None]:
-    """The caller's arrays in the types that are uploaded. Raises FormatError naming what does not fit."""
-    depth = np.asarray(depth)
-    if depth.ndim != 2 or depth.dtype.kind not in "fiu" or not depth.size:
-        raise FormatError(f"depth is {depth.dtype} of shape {depth.shape}; expected numbers of shape (h, w)")
-    with np.errstate(over="ignore"):
-        depth = depth.astype(np.float32)
-    if color is not None:
-        color = np.asarray(color)
-        if color.dtype != np.uint8 or color.ndim != 3 or color.shape[2] not in (3, 4) or color.shape[:2] != depth.shape:
-            raise FormatError(
-                f"color is {color.dtype} of shape {color.shape}; expected uint8 sRGB of shape {(*depth.shape, 3)} or {(*depth.shape, 4)}"
-            )
-    if normals is not None:
-        normals = np.asarray(normals)
-        if normals.dtype.kind != "f" or normals.shape != (*depth.shape, 3):
-            raise FormatError(
-                f"normals are {normals.dtype} of shape {normals.shape}; expected floats of shape {(*depth.shape, 3)}, view space"
-            )
-        with np.errstate(over="ignore"):
-            normals = normals.astype(np.float32)
-    return depth, color, normals
-
-
-def _radius_of(depth: NDArray[np.float32], camera: Camera, kind: str) -> float:
-    """An automatic radius for a depth image: a share of the extent of the middle 96 % of its points."""
-    if kind != "eye":
-        raise SettingsError("radius: window depth needs a radius in scene units")
-    with np.errstate(invalid="ignore"):
-        points = camera.view(depth.shape[::-1]).points(depth)[np.isfinite(depth) & (depth > 0)]
-    if not len(points):
-        return 1.0
-    low, high = np.percentile(points, (2, 98), axis=0)
-    return RADIUS_SHARE * float(np.linalg.norm(high - low)) or 1.0
-
-
-def _aov(frame: Frame, name: str, *, alpha: bool = False) -> NDArray[Any]:
-    """An AOV of a drawn frame, as :class:`Picture` documents it."""
-    resource = RESOURCES[name]
-    if resource not in frame.plan.where:  # arrays come with one kind of normals
-        resource = name
-    array = flipped(frame.read(resource))
-    if name == "visibility":
-        return array[..., 0].astype(np.float32) / 255
-    if name == "depth":
-        return array[..., 0]
-    if name == "normal":
-        f = np.minimum((array**2).sum(-1, keepdims=True), 4)
-        normal = np.concatenate([array * np.sqrt(1 - f / 4), 1 - f / 2], -1)
-        return np.where(flipped(frame.read("z")) > 0, normal, 0).astype(np.float32)
-    return array if alpha else np.ascontiguousarray(array[..., :3])
-
-
-__all__ = ["MAX_SIDE", "Renderer", "check_size", "resources"]

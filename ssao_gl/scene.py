@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .camera import Camera, Size, look_at
+from .camera import Camera, look_at
 from .errors import SceneError
+from .view import Size
 
 RADIUS_SHARE = 0.03
 """Automatic AO radius as a share of the diagonal of a scene's bounding box."""

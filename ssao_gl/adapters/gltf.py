@@ -17,8 +17,9 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from ..camera import Camera, Matrix, Orthographic, Perspective
+from ..camera import Camera, Orthographic, Perspective
 from ..errors import SceneError
+from ..view import Matrix
 
 Tree = dict[str, Any]
 SizeOf = Callable[[str], int]

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera, Matrix, Pinhole, Size
+from ..camera import Camera, Pinhole
 from ..errors import SceneError
 from ..scene import Draw, Scene
+from ..view import Matrix, Size
 from .meshes import _encode
 
 if TYPE_CHECKING:

@@ -10,13 +10,15 @@ from typing import Annotated
 import numpy as np
 from cyclopts import Parameter
 
-from ..camera import Camera, Size
+from ..camera import Camera
 from ..gl.overhead import without_draws
 from ..graph import compile
+from ..inputs import check_size
 from ..methods.lecture import Lecture
 from ..pipeline import Settings, plan_render
-from ..renderer import Renderer, check_size
+from ..renderer import Renderer
 from ..scene import Scene
+from ..view import Size
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import progress, say, table, write_json
 

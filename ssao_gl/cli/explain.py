@@ -10,10 +10,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..errors import SettingsError, near_miss
+from ..inputs import check_size
 from ..methods import registry
 from ..passes.blur import BLURS
 from ..pipeline import plan_render
-from ..renderer import check_size
 from ..settings import limits
 from .options import LookOptions, ViewOptions
 from .output import say, table

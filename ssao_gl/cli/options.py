@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 from cyclopts import Parameter
 
-from ..camera import Camera, Lens, Matrix, Orthographic, Perspective, Size, look_at
+from ..camera import Camera, Lens, Orthographic, Perspective, look_at
 from ..config import read_toml, settings_from
 from ..errors import SettingsError
 from ..methods import registry
@@ -19,6 +19,7 @@ from ..passes.blur import BLURS
 from ..pipeline import Settings, Shading
 from ..scene import Scene
 from ..settings import limits, title
+from ..view import Matrix, Size
 from .output import parse_size, parse_vector
 
 

@@ -15,9 +15,10 @@ from .. import images
 from ..camera import Camera
 from ..errors import FormatError, SettingsError
 from ..files import make_folder
+from ..inputs import check_size
 from ..picture import Picture, save_animation
 from ..pipeline import AOVS, Settings
-from ..renderer import Renderer, check_size
+from ..renderer import Renderer
 from ..scene import Scene
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, progress, say, write_json

@@ -12,17 +12,18 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..camera import Size
 from ..errors import FormatError, SettingsError
 from ..falloff import Falloff
 from ..files import check_writable
-from ..renderer import Renderer, check_size
+from ..inputs import check_size
+from ..renderer import Renderer
 from ..report.sweep import Progress, Sweep, fitting_scenes, split_size
 from ..report.variants import TRUTH, variants
 from ..report.views import views
 from ..truth import Tracing
 from ..truth.cache import default_folder
 from ..truth.settings import NORMALS
+from ..view import Size
 from .options import GlOption
 from .output import QUIET, parse_size, say
 

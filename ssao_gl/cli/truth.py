@@ -15,7 +15,7 @@ from .. import images
 from ..errors import FormatError
 from ..falloff import Falloff
 from ..files import check_writable
-from ..renderer import check_size
+from ..inputs import check_size
 from ..scene import Scene
 from ..truth import Tracing, Truth, trace
 from ..truth.cache import default_folder

@@ -6,8 +6,8 @@ import ctypes
 from collections.abc import Collection
 from types import TracebackType
 
-from ..camera import Size
 from ..errors import FormatError
+from ..view import Size
 from .context import Context
 from .state import MAX_DRAW_BUFFERS, TEXTURE0, TEXTURE_2D
 

@@ -11,10 +11,10 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import View
 from ..errors import ContextError
 from ..graph import Plan, Step
 from ..sources import Define
+from ..view import View
 from .context import Context
 from .kit import FORMATS, Kit
 

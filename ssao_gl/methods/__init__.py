@@ -15,9 +15,9 @@ from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import View
 from ..errors import SettingsError, near_miss
 from ..sources import Define
+from ..view import View
 
 
 @dataclass(frozen=True, slots=True)

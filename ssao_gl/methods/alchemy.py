@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import View
 from ..kernel import Kernel, Rotation
 from ..settings import setting, validate
+from ..view import View
 from . import Deviation, register
 
 CORNER = math.pi / (8 * math.log(1 + math.sqrt(2)))

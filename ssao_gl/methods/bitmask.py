@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import View
 from ..kernel import bayer
 from ..settings import setting, validate
 from ..sources import Define
+from ..view import View
 from . import Deviation, register
 
 TILE = 4

@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import View
 from ..errors import SettingsError
 from ..kernel import Kernel, Rotation
 from ..settings import setting, validate
+from ..view import View
 from . import Deviation, register
 
 

@@ -10,11 +10,12 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera, Matrix, View
+from ..camera import Camera
 from ..gl.frame import Stage
 from ..gl.kit import Kit
 from ..graph import Pass, Tex
 from ..scene import Draw, Scene
+from ..view import Matrix, View
 
 GL_COLOR, GL_DEPTH, GL_DEPTH_TEST = 0x1800, 0x1801, 0x0B71
 CHUNK = 1 << 18

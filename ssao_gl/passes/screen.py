@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from ..camera import View
 from ..gl.frame import Stage
 from ..graph import Pass, Tex
 from ..methods import Method
+from ..view import View
 
 
 def linearize(*, window: bool) -> Pass:

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..camera import Size
 from ..errors import SettingsError
 from ..methods import Method, method
 from ..pipeline import Settings
 from ..settings import assign, limits
+from ..view import Size
 from .numbers import exponent
 from .points import MEDIAN
 from .setup import Setup

@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import metrics
-from ..camera import Camera, Size
+from ..camera import Camera
 from ..gl.frame import PassTime
 from ..pipeline import Settings
 from ..renderer import Renderer
 from ..scene import Scene
 from ..truth import Surface, Tracing, Truth, surface, trace
 from ..truth.trace import Progress
+from ..view import Size
 
 F32 = NDArray[np.float32]
 

@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from ..camera import Camera, Projection, Size
+from ..camera import Camera, Projection
 from ..methods.reference import Reference
 from ..pipeline import Settings
+from ..view import Size
 from .setup import F32, Setup
 
 TILE = 4

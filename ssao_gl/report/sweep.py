@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..camera import Size
 from ..errors import SettingsError, near_miss
 from ..settings import as_table
 from ..truth import Tracing
+from ..view import Size
 from .variants import Variant
 from .views import View
 

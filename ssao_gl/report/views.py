@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..adapters.camera_files import load_cameras
-from ..camera import Camera, Size
+from ..camera import Camera
 from ..errors import SceneError, SettingsError, near_miss
 from ..images import SUFFIXES
 from ..scene import Scene
 from ..truth.cache import content_key
 from ..truth.settings import Tracing
+from ..view import Size
 
 AUTOMATIC = "auto"
 CAMERAS = ".cam.json"

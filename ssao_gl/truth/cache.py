@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from ..camera import Camera, Size
+from ..camera import Camera
 from ..errors import FormatError
 from ..files import check_writable, make_folder, written
 from ..scene import Scene
 from ..settings import as_table
+from ..view import Size
 from .settings import Tracing
 
 VERSION = 1

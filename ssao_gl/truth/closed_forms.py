@@ -16,9 +16,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..camera import Camera, Perspective, Size, look_at
+from ..camera import Camera, Perspective, look_at
 from ..default_scene import cylinder, lathe, place, sphere
 from ..scene import Draw, Scene
+from ..view import Size
 
 F64 = NDArray[np.float64]
 

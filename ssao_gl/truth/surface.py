@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera, Size, View
+from ..camera import Camera
 from ..scene import Scene
+from ..view import Size, View
 from .rays import DIAMETER, F32, F64, OFFSET, RayScene, threads
 from .sums import blocks
 

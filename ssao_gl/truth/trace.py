@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera, Size
+from ..camera import Camera
 from ..errors import SettingsError
 from ..falloff import Falloff, weight
+from ..inputs import check_size
 from ..picture import Picture
-from ..renderer import check_size
 from ..scene import Scene
+from ..view import Size
 from .cache import Store, content_key, store
 from .directions import directions, points
 from .rays import DIAMETER, OFFSET, RayScene, threads

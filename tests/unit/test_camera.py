@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ssao_gl.camera import Camera, Matrix, View, look_at
+from ssao_gl.camera import Camera, look_at
 from ssao_gl.errors import SettingsError
 from ssao_gl.passes.gbuffer import fit_depth_range
+from ssao_gl.view import Matrix, View
 
 SIZE = (320, 200)
 

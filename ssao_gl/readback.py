@@ -1,0 +1,48 @@
+"""What comes back from a drawn frame: the arrays of a picture, and how long the passes took."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .gl.frame import Frame, PassTime
+from .images import flipped
+from .pipeline import RESOURCES
+from .view import View
+
+
+def aov(frame: Frame, name: str, *, alpha: bool = False) -> NDArray[Any]:
+    """An AOV of a drawn frame, as :class:`Picture` documents it."""
+    resource = RESOURCES[name]
+    if resource not in frame.plan.where:  # arrays come with one kind of normals
+        resource = name
+    array = flipped(frame.read(resource))
+    if name == "visibility":
+        return array[..., 0].astype(np.float32) / 255
+    if name == "depth":
+        return array[..., 0]
+    if name == "normal":
+        f = np.minimum((array**2).sum(-1, keepdims=True), 4)
+        normal = np.concatenate([array * np.sqrt(1 - f / 4), 1 - f / 2], -1)
+        return np.where(flipped(frame.read("z")) > 0, normal, 0).astype(np.float32)
+    return array if alpha else np.ascontiguousarray(array[..., :3])
+
+
+def measure(frame: Frame, rounds: int, view: View, inputs: Any = None, *, context: Any = None) -> dict[str, Any]:
+    """Median milliseconds over ``rounds`` frames: of each pass, of the G-buffer, and of everything after it."""
+    runs: list[list[PassTime]] = []
+    for _ in range(rounds):
+        frame.run(view, inputs, context=context, timed=True)
+        runs.append(frame.times)
+    if not runs:
+        return {}
+    medians = {p.name: float(np.median([run[i].ms for run in runs])) for i, p in enumerate(runs[0])}
+    return {
+        "passes": [{"name": name, "ms": ms} for name, ms in medians.items()],
+        "gbuffer_ms": medians.get("gbuffer", 0.0),
+        "ao_ms": sum(ms for name, ms in medians.items() if name != "gbuffer"),
+        "clock": runs[0][0].clock,
+        "rounds": rounds,
+    }
