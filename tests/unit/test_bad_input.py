@@ -754,7 +754,12 @@ def test_terminal_codes_are_not_passed_on(capsys: pytest.CaptureFixture[str], fo
 
 def command(*arguments: object, **options: Any) -> subprocess.Popen[str]:
     line = [sys.executable, "-m", "ssao_gl", *map(str, arguments)]
-    return subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+    # Tests that run in the background inherit an ignored Ctrl-C; a user's shell does not hand that on.
+    return subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heed_ctrl_c, **options)
+
+
+def heed_ctrl_c() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
