@@ -46,7 +46,7 @@ def test_all_providers_draw_the_same_real_scene(path: object) -> None:
 
     scene = Scene.load(path)
     for camera in load_cameras(path.with_suffix(".cam.json")):  # type: ignore[attr-defined]
-        agree(shots(scene, camera, (640, 480)))
+        agree(shots(scene, camera, (960, 540)))
 
 
 def test_a_context_says_what_it_is(provider: str) -> None:
