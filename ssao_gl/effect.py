@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import operator
 import os
-from collections.abc import Mapping
 from contextlib import ExitStack
 from types import TracebackType
 from typing import Any, SupportsIndex
@@ -16,10 +15,10 @@ from .errors import ContextError, FormatError, SettingsError
 from .gl.context import Context
 from .gl.foreign import Target, texture_size
 from .gl.frame import Frame, PassTime
-from .gl.kit import FORMATS, Kit
+from .gl.kit import Kit
 from .gl.providers import wrap_moderngl
 from .gl.state import GuestState
-from .pipeline import EYE_DEPTH, WINDOW_DEPTH, Settings, plan_apply
+from .pipeline import WINDOW_DEPTH, Settings, plan_apply
 from .view import Size
 
 Image = moderngl.Texture | SupportsIndex
@@ -193,21 +192,3 @@ def _name(value: Any, expected: str, advice: str = "") -> int:
         return operator.index(getattr(value, "value", value))  # ctypes' numbers keep theirs in .value
     except TypeError:
         raise FormatError(f"Effect: {expected}, got {type(value).__name__}{advice}") from None
-
-
-def upload(kit: Kit, name: str, array: Any) -> moderngl.Texture:
-    """An array (h, w, c), row 0 on top, as a texture: uint8 as rgba8, else 32-bit floats."""
-    import numpy as np
-
-    from .images import flipped
-
-    h, w = array.shape[:2]
-    channels = 1 if array.ndim == 2 else array.shape[2]
-    dtype = "f1" if array.dtype == np.uint8 else "f4"
-    data = flipped(array if dtype == "f1" else array.astype(np.float32))
-    texture = kit.ctx.mgl.texture((w, h), channels, data.tobytes(), alignment=1, dtype=dtype)
-    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-    return texture
-
-
-__all__ = ["EYE_DEPTH", "FORMATS", "WINDOW_DEPTH", "Effect", "Mapping", "upload"]

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from . import gl
 from .camera import Camera
-from .effect import upload
 from .gl.context import Context
 from .gl.frame import Frame, PassTime
 from .gl.kit import Kit
@@ -161,7 +160,7 @@ class Renderer:
             lambda: plan_apply(settings, size, depth=depth_kind, normals=normals is not None, outputs=outputs),
         )
         given = {"depth": depth, "normal_xyz": normals, "color": color}
-        inputs = {name: upload(self._kit, name, array) for name, array in given.items() if array is not None}
+        inputs = {name: self._kit.upload(array) for name, array in given.items() if array is not None}
         started = time.perf_counter()
         try:
             frame.run(camera.view(size), inputs, checked=checked)
@@ -182,7 +181,7 @@ class Renderer:
         that each pass took."""
         self._show(scene, camera, size)
         frame = self._plan(("filter", blur, size), lambda: plan_filter(blur, size))
-        given = upload(self._kit, "given", check_arrays(visibility, None, None)[0])
+        given = self._kit.upload(check_arrays(visibility, None, None)[0])
         try:
             frame.run(camera.view(size), {"given": given}, context=self._scene, timed=True)
             return aov(frame, "visibility"), frame.times

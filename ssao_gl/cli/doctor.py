@@ -44,11 +44,7 @@ def doctor(*, probe: Annotated[str | None, Parameter(show=False)] = None) -> int
 def _probe(name: str) -> int:
     try:
         with PROVIDERS[name].open() as context:
-            timer = (
-                "GL timer"
-                if not context.software and (context.api == "gl" or "GL_EXT_disjoint_timer_query" in context.extensions())
-                else "wall-clock timer"
-            )
+            timer = "GL timer" if context.gpu_timer else "wall-clock timer"
             say(f"{context.version}, {context.renderer}, {context.platform}, textures to {context.max_size}, {timer}")
         return 0
     except Exception as error:  # whatever a driver does wrong belongs in the table

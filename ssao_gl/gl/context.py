@@ -73,6 +73,11 @@ class Context:
         return any(word in self.renderer.lower() for word in SOFTWARE)
 
     @property
+    def gpu_timer(self) -> bool:
+        """Whether GL's own timer can be trusted. Software renderers answer it with nonsense (llvmpipe: 9 microseconds for 500)."""
+        return not self.software and (self.api == "gl" or "GL_EXT_disjoint_timer_query" in self.extensions())
+
+    @property
     def dialect(self) -> str:
         """The shader dialect that this context compiles."""
         return "es300" if self.api == "es" else "gl330"

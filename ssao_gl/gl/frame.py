@@ -185,8 +185,7 @@ class Timer:
 
     def __init__(self, ctx: Context) -> None:
         self._ctx = ctx
-        # Software renderers answer timer queries with nonsense (llvmpipe: 9 microseconds for 500).
-        self._gpu = not ctx.software and (ctx.api == "gl" or "GL_EXT_disjoint_timer_query" in ctx.extensions())
+        self._gpu = ctx.gpu_timer
         self.clock = "gpu" if self._gpu else "wall"
         self._queries: list[Any] = []  # used again: moderngl never frees one
         self._names: list[str] = []

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .. import sources
 from ..errors import ShaderError, near_miss
+from ..images import flipped
 from .context import Context
 
 FORMATS: Mapping[str, tuple[int, str]] = {"r8": (1, "f1"), "rgba8": (4, "f1"), "rg16f": (2, "f2"), "r32f": (1, "f4")}
@@ -105,6 +106,17 @@ class Kit:
         if texture is None:
             h, w, channels = values.shape
             texture = self._lookups[key] = self.ctx.mgl.texture((w, h), channels, values.astype("f4").tobytes(), dtype="f4")
+        return texture
+
+    def upload(self, array: NDArray[Any]) -> moderngl.Texture:
+        """An array (h, w) or (h, w, channels), row 0 on top, as a texture of the caller's to release: uint8 as 8 bits, else floats."""
+        h, w = array.shape[:2]
+        dtype = "f1" if array.dtype == np.uint8 else "f4"
+        data = flipped(array if dtype == "f1" else array.astype(np.float32))
+        texture = self.ctx.mgl.texture(
+            (w, h), 1 if array.ndim == 2 else array.shape[2], data.tobytes(), alignment=1, dtype=dtype
+        )
+        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return texture
 
     def bind(self, unit: int, texture: moderngl.Texture, *, repeat: bool = False) -> None:
