@@ -13,7 +13,6 @@ from cyclopts import Parameter
 from ..camera import Camera
 from ..gl.overhead import without_draws
 from ..graph import compile
-from ..inputs import check_size
 from ..methods.lecture import Lecture
 from ..pipeline import Settings, plan_render
 from ..renderer import Renderer
@@ -40,7 +39,6 @@ def bench(
         Scene file. Without it: the embedded scene.
     """
     settings, size = look.settings(), view.pixels()
-    check_size(size)
     loaded = view.load(scene)
     camera = view.choose(loaded)
     with Renderer(gl) as renderer:

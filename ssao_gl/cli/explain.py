@@ -10,7 +10,6 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..errors import SettingsError, near_miss
-from ..inputs import check_size
 from ..methods import registry
 from ..passes.blur import BLURS
 from ..pipeline import plan_render
@@ -35,7 +34,6 @@ def explain(
         Scene file. Without it: the embedded scene.
     """
     settings, size = look.settings(), view.pixels()
-    check_size(size)
     loaded = view.load(scene)
     camera = view.choose(loaded)
     settings = settings.with_radius(camera.ao_radius or loaded.default_radius())

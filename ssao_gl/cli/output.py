@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from ..errors import FormatError, SettingsError, near_miss
 from ..files import check_writable, written
+from ..inputs import check_size
 
 Item = TypeVar("Item")
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
@@ -81,11 +82,13 @@ def check_json(path: Path | None) -> None:
 
 
 def parse_size(text: str) -> tuple[int, int]:
-    """``1280x720`` -> (1280, 720). Raises SettingsError."""
+    """``1280x720`` -> (1280, 720), sides within bounds. Raises SettingsError."""
     w, x, h = text.lower().partition("x")
     if not (x and w.isascii() and h.isascii() and w.isdigit() and h.isdigit()):
         raise SettingsError(f"--size {text}: must be WIDTHxHEIGHT, like 1280x720")
-    return int(w[:9]), int(h[:9])
+    size = int(w[:9]), int(h[:9])
+    check_size(size)
+    return size
 
 
 def parse_vector(name: str, text: str) -> tuple[float, float, float]:

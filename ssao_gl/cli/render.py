@@ -15,7 +15,6 @@ from .. import images
 from ..camera import Camera
 from ..errors import FormatError, SettingsError
 from ..files import make_folder
-from ..inputs import check_size
 from ..picture import Picture, save_animation
 from ..pipeline import AOVS, Settings
 from ..renderer import Renderer
@@ -65,7 +64,6 @@ def render(
     """
     settings = look.settings()
     size = view.pixels()
-    check_size(size)
     aovs = _aovs(aov, output, turntable)
     _check_output(output, turntable, bits)
     check_json(json)

@@ -15,7 +15,6 @@ from cyclopts import Parameter
 from ..errors import FormatError, SettingsError
 from ..falloff import Falloff
 from ..files import check_writable
-from ..inputs import check_size
 from ..renderer import Renderer
 from ..report.sweep import Progress, Sweep, fitting_scenes, split_size
 from ..report.variants import TRUTH, variants
@@ -166,16 +165,11 @@ def _listed(texts: Sequence[str]) -> list[str]:
 
 
 def _sizes(texts: Sequence[str]) -> list[Size]:
-    sizes = list(dict.fromkeys(parse_size(text) for text in _listed(texts))) or [(1280, 720)]
-    for one in sizes:
-        check_size(one)
-    return sizes
+    return list(dict.fromkeys(parse_size(text) for text in _listed(texts))) or [(1280, 720)]
 
 
 def _split_size(given: str | None, size: Size) -> Size:
-    chosen = parse_size(given) if given else split_size(size)
-    check_size(chosen)
-    return chosen
+    return parse_size(given) if given else split_size(size)
 
 
 def _cache(given: Path | None, output: Path) -> Path:

@@ -15,7 +15,6 @@ from .. import images
 from ..errors import FormatError
 from ..falloff import Falloff
 from ..files import check_writable
-from ..inputs import check_size
 from ..scene import Scene
 from ..truth import Tracing, Truth, trace
 from ..truth.cache import default_folder
@@ -89,7 +88,6 @@ def truth(
     """
     tracing = Tracing(radius=radius, falloff=falloff, normals=normals, spp=spp, max_stderr=max_stderr, seed=seed)
     size = view.pixels()
-    check_size(size)
     check_output("-o", output, images.SUFFIXES, folder=True)
     check_json(json)
     folder = None if no_cache else _folder(cache)
