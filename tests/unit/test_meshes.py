@@ -20,7 +20,7 @@ from ssao_gl.errors import SceneError
 from ssao_gl.normals import crease_normals, weld
 from ssao_gl.scene import Draw, Scene
 
-from .test_bad_input import binary, glb, tree, zipped
+from ..scene_files import binary, glb, tree, zipped
 
 SUFFIXES = ["glb", "obj", "ply", "stl", "off"]
 
