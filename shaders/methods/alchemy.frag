@@ -24,8 +24,9 @@ void main() {
     // The disk of the radius around p, parallel to the image; clamped to a size in pixels that taps can still cover.
     mat2 disk = u_uv_per_unit * (u_radius / max(ssao_w(z), 1e-30));
     vec2 extent = (abs(disk[0]) + abs(disk[1])) * u_size;
-    disk *= min(1.0, u_max_radius / max(max(extent.x, extent.y), 1e-6));
-    float per_radius = 1.0 / u_radius;
+    float share = min(1.0, u_max_radius / max(max(extent.x, extent.y), 1e-6));
+    disk *= share;
+    float per_radius = 1.0 / max(u_radius * share, 1e-30);  // of the clamped disk: else nearer taps would weigh more
     float bias = u_bias * ssao_w(z) * per_radius;
     float sum = 0.0;
     float count = 0.0;

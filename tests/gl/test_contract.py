@@ -134,8 +134,9 @@ def test_any_size(renderer: ao.Renderer, name: str, size: tuple[int, int], embed
     assert visibility(renderer, name, embedded, embedded.cameras[0], blur=ao.Joint(), size=size).shape == size[::-1]
 
 
-def test_alchemy_is_calibrated_at_the_corner_of_two_walls(renderer: ao.Renderer) -> None:
-    """Seen along the bisector, a point in the corner is half occluded."""
-    settings = ao.Settings(method=ao.Alchemy(radius=1.0, samples=64, bias=0.0))
+@pytest.mark.parametrize("max_radius", [256, 48])
+def test_alchemy_is_calibrated_at_the_corner_of_two_walls(renderer: ao.Renderer, max_radius: float) -> None:
+    """Seen along the bisector, a point in the corner is half occluded, also where the disk is clamped."""
+    settings = ao.Settings(method=ao.Alchemy(radius=1.0, samples=64, bias=0.0, max_radius=max_radius))
     seen = renderer.render(corner(), camera(), (481, 360), settings, aovs=("visibility",)).visibility
     assert seen[150:210, 240].mean() == pytest.approx(0.5, abs=0.03)
