@@ -109,6 +109,26 @@ class Projection:
         return m
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """What another lens shows in a part of its image: off-centre, with the same pixels.
+
+    ``whole`` is the size of that image, ``corner`` the pixel of it that is the part's lower left; the part's size is the
+    one that :meth:`matrix` is asked for.
+    """
+
+    lens: Lens
+    whole: Size
+    corner: tuple[int, int]
+
+    def matrix(self, size: Size) -> Matrix:
+        m = self.lens.matrix(self.whole).copy()
+        for axis in (0, 1):  # ndc' = (ndc * whole + whole - 2 corner - size) / size
+            whole, low, side = self.whole[axis], self.corner[axis], size[axis]
+            m[axis] = whole / side * m[axis] + (whole - 2 * low - side) / side * m[3]
+        return m
+
+
 def _check_range(znear: float, zfar: float | None) -> None:
     if not (znear > 0 and math.isfinite(znear)):
         raise SettingsError(f"camera: znear={znear:g} must be above 0")
@@ -217,4 +237,4 @@ def _pose(pose: ArrayLike | None) -> Matrix:
 @lru_cache(maxsize=64)
 def _view(lens: Lens, size: Size) -> View:
     """A moving camera keeps its view constants, and with them every uniform that is already set."""
-    return View(size, lens.matrix(size))
+    return View(size, lens.matrix(size), lens.whole if isinstance(lens, Part) else None)

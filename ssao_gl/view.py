@@ -33,6 +33,8 @@ class View:
 
     size: Size
     projection: Matrix
+    whole: Size | None = None
+    """Size of the image that this is a part of; None when it is an image of its own."""
 
     def __post_init__(self) -> None:
         m = self.projection

@@ -8,7 +8,7 @@ uniform sampler2D normal;     // view space, encoded
 uniform sampler2D rotation;   // unit vectors
 uniform mat4 iProjection;     // clip -> view
 uniform vec2 samples[NSAMPLES];
-uniform float radius;         // share of the image at depth 0
+uniform vec2 radius;          // share of the image at depth 0; both the same unless a part of an image is drawn
 uniform vec2 ssaoSize;        // pixels
 uniform float rotationWidth;  // pixels
 uniform vec2 texelSize;       // 1 / ssaoSize
@@ -26,7 +26,7 @@ void main() {
     vec3 p = unproject(uv, d_p);
     vec3 n_p = ssao_decode_normal(SAMPLE(normal, uv).xy);
     vec2 turn = SAMPLE(rotation, uv * ssaoSize / rotationWidth).xy;
-    float pradius = radius * (1.0 - d_p);
+    vec2 pradius = radius * (1.0 - d_p);
     float ao = 0.0;
     for (int i = 0; i < NSAMPLES; i++) {
         vec2 uv_q = uv + pradius * reflect(samples[i], turn);

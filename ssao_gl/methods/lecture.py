@@ -66,7 +66,7 @@ class Lecture:
         return {
             "iProjection": np.linalg.inv(view.projection).T,
             "samples": kernel.points(),
-            "radius": self.radius,
+            "radius": tuple(self.radius * whole / side for whole, side in zip(view.whole or view.size, view.size, strict=True)),
             "ssaoSize": tuple(map(float, view.size)),
             "rotationWidth": float(self.tile),
             "texelSize": (1 / view.size[0], 1 / view.size[1]),
