@@ -19,12 +19,12 @@ vec3 ssao_position(vec2 uv, float z) {
 
 float ssao_w(float z) { return u_w.x * z + u_w.y; }
 
-// Direction from the point p to the viewer.
+// Direction from the point p to the viewer. Divided by depth first: squares of tiny or huge distances leave the floats.
 vec3 ssao_to_viewer(vec3 p) {
 #ifdef PINHOLE
-    return -normalize(p);
+    return normalize(vec3(p.xy / p.z, 1.0));
 #else
     // u_w.x is 0 for a parallel projection: its rays run along (u_ray0, -1).
-    return normalize(u_w.x > 0.0 ? -p : vec3(-u_ray0, 1.0));
+    return normalize(vec3(u_w.x > 0.0 ? p.xy / p.z : -u_ray0, 1.0));
 #endif
 }
