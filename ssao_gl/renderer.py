@@ -31,6 +31,11 @@ Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 
+@functools.cache
+def _version() -> str:
+    return importlib.metadata.version("ssao_gl")  # which reads a file
+
+
 def _current(method: Callable[Concatenate[Renderer, Arguments], Result]) -> Callable[Concatenate[Renderer, Arguments], Result]:
     """Run a method with the renderer's context current, and leave a caller's own context as it was."""
 
@@ -139,14 +144,15 @@ class Renderer:
         normals: NDArray[Any] | None = None,
         depth_kind: str = "eye",
         settings: Settings | None = None,
+        aovs: Sequence[str] = ("visibility", "depth", "normal"),
         timed: int = 0,
         checked: bool = False,
     ) -> Picture:
         """Occlusion over arrays, row 0 on top.
 
         depth: (h, w) distance along the view axis in scene units (0, inf, nan: background), or window depth in 0..1.
-        color: (h, w, 3 or 4) uint8 sRGB, to be dimmed. normals: (h, w, 3) view space. Gives visibility, depth and
-        normal, and image when there is colour. Raises FormatError for shapes that do not fit.
+        color: (h, w, 3 or 4) uint8 sRGB, to be dimmed. normals: (h, w, 3) view space. Gives ``aovs``, and image when
+        there is colour. Raises FormatError for shapes that do not fit.
         """
         depth, color, normals = check_arrays(depth, color, normals)
         h, w = depth.shape
@@ -164,7 +170,7 @@ class Renderer:
         started = time.perf_counter()
         try:
             frame.run(camera.view(size), inputs, checked=checked)
-            names = ("visibility", "depth", "normal", *(("image",) if color is not None else ()))
+            names = (*aovs, *(("image",) if color is not None else ()))
             arrays = {name: aov(frame, name, alpha=color is not None and color.shape[2] == 4) for name in names}
             report = self._report(settings, size, frame, time.perf_counter() - started)
             report |= measure(frame, timed, camera.view(size), inputs)
@@ -208,7 +214,7 @@ class Renderer:
 
     def _report(self, settings: Settings, size: Size, frame: Frame, seconds: float) -> dict[str, Any]:
         return {
-            "version": importlib.metadata.version("ssao_gl"),
+            "version": _version(),
             "settings": settings.table(),
             "size": list(size),
             "provider": self.ctx.provider,

@@ -11,6 +11,7 @@ import types
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, TypeVar
 
 from .errors import SettingsError, near_miss
@@ -62,7 +63,7 @@ def title(record: object) -> str:
 
 def validate(record: Any) -> None:
     """Check every field of ``record`` against its type and limits. Raises SettingsError naming the field."""
-    hints = _hints(type(record))
+    hints = _hints(type(record))  # type: ignore[arg-type]
     for field in dataclasses.fields(record):
         value, rule = getattr(record, field.name), limits(field)
         name = f"{title(record)}.{field.name}={value!r}"
@@ -97,7 +98,7 @@ def _finite(value: float) -> bool:
 def assign(record: Record, values: Mapping[str, Any]) -> Record:
     """``record`` with some fields replaced; texts are converted to the field's type. Raises SettingsError."""
     fields = {field.name: field for field in dataclasses.fields(record)}  # type: ignore[arg-type]
-    hints = _hints(type(record))
+    hints = _hints(type(record))  # type: ignore[arg-type]
     changes = {}
     for name, value in values.items():
         if name not in fields:
@@ -113,6 +114,7 @@ def as_table(record: Any) -> dict[str, Any]:
     return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
 
 
+@cache
 def _hints(kind: type) -> dict[str, Any]:
     return typing.get_type_hints(kind)
 
