@@ -40,6 +40,7 @@ _COMMANDS = {
     "truth": "ssao_gl.cli.truth:truth",
     "bench": "ssao_gl.cli.bench:bench",
     "report": "ssao_gl.cli.report:report",
+    "stress": "ssao_gl.cli.stress:stress",
 }
 for _name, _target in _COMMANDS.items():
     app.command(_target, name=_name, help_epilogue=settings_help() if _name in ("render", "apply", "explain") else None)

@@ -1,0 +1,84 @@
+"""Images of every size that a driver draws, and one that it does not."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...camera import Camera
+from ...errors import ContextError
+from ..case import case
+from ..fields import cast, flat, room
+from ..lab import Lab
+from ..shapes import lens
+from ..shot import Shot, share
+
+GROUP = "sizes"
+
+
+@case("one-pixel", GROUP, "1 - darkest pixel", contract="plane", traps=(17, 22))
+def one(lab: Lab) -> float:
+    """An image of one pixel, and of two by two on a plane, is open: no tap is left."""
+    camera = lens()
+    sizes = (1, 1), (2, 2)
+    return max(lab.apply(cast(camera, s, flat((0, 0, -5), (0, 0.3, 1))), camera, blur="joint").darkest for s in sizes)
+
+
+@case("any-size", GROUP, "1 - mean visibility", 1.0, traps=(17, 22, 23), why="finite is what is asked")
+def ladder(lab: Lab) -> float:
+    """Odd, narrow and tiny images keep what every picture promises."""
+    camera = lens()
+    sizes = (1, 1), (1, 40), (40, 1), (2, 2), (3, 2), (5, 7), (33, 17)
+    return max(1 - lab.apply(cast(camera, size, *room()), camera, blur="joint").mean for size in sizes)
+
+
+@case(
+    "largest-side",
+    GROUP,
+    "share of pixels off by over 1/255",
+    0.0,
+    contract="border",
+    asks=("orthographic",),
+    traps=(22, 40),
+    why="the pattern repeats exactly",
+)
+def largest(lab: Lab) -> float:
+    """A pattern across the largest image that the driver draws looks the same at both ends: no coordinate runs out of bits."""
+    w = min(lab.renderer.ctx.max_size, 65536)
+    worst = 0.0
+    for size in ((w, 8), (8, w)):
+        camera = Camera.orthographic(4.0 * size[1] / 64, 0.0, 40.0)  # a pixel is 1/16 unit
+        y, x = np.mgrid[: size[1], : size[0]]
+        depth = 5 + 0.25 * ((x // 8 + y // 8) % 2)
+        seen = lab.apply(depth, camera, radius=0.5).visibility
+        if size[0] == 8:
+            seen = seen.T[:, ::-1]  # noise tiles are counted from the lower left
+        worst = max(worst, share(seen[:, 64:128], seen[:, w - 128 : w - 64]))
+    return worst
+
+
+@case("too-large", GROUP, "1 when it is not refused", 0.0, traps=(22,), why="a refusal in words", once=True)
+def too_large(lab: Lab) -> float:
+    """An image larger than the driver's largest texture is refused in one line, before anything is drawn."""
+    side = lab.renderer.ctx.max_size + 1
+    shot = Shot(lens(), depth=np.full((1, side), 5.0, np.float32))
+    try:
+        lab.renderer.apply(shot.depth, shot.camera, settings=lab.subject.settings(shot))  # type: ignore[arg-type]
+    except ContextError as refusal:
+        return float("draws at most" not in str(refusal))
+    return 1.0
+
+
+@case(
+    "odd-size",
+    GROUP,
+    "difference of means",
+    0.02,
+    traps=(23,),
+    why="another grid of pixels, and noise that does not fit the tile",
+)
+def odd(lab: Lab) -> float:
+    """An image one pixel narrower and lower is as dark on the whole."""
+    camera = lens()
+    w, h = lab.size
+    means = [lab.apply(cast(camera, size, *room()), camera, blur="joint").mean for size in ((w, h), (w - 1, h - 1))]
+    return abs(means[0] - means[1])

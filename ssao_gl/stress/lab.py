@@ -1,0 +1,99 @@
+"""Draws the shots of a case for one subject, and holds each to what every picture promises."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..camera import Camera
+from ..errors import ContextError
+from ..picture import Picture
+from ..pipeline import Settings
+from ..renderer import Renderer
+from ..scene import Scene
+from ..view import Size
+from . import watch
+from .shot import Seen, Shot
+from .subject import Subject
+
+SIZE = (64, 48)
+"""A multiple of the noise tiles, and small."""
+
+
+class Broken(Exception):
+    """A picture that breaks what every picture promises; ``shot`` is what was drawn."""
+
+    def __init__(self, what: str, shot: Shot) -> None:
+        super().__init__(what)
+        self.shot = shot
+
+
+class Lab:
+    """One subject on one renderer. ``first``: gives the renderer of the first provider that opens, to compare with."""
+
+    def __init__(
+        self, renderer: Renderer, subject: Subject, size: Size = SIZE, first: Callable[[], Renderer] | None = None
+    ) -> None:
+        self.renderer, self.subject, self.size = renderer, subject, size
+        self.first = first or (lambda: renderer)
+        self.shots: list[Shot] = []
+        """All that was drawn, in order."""
+
+    def render(self, scene: Scene, camera: Camera, **options: Any) -> Seen:
+        """Draw a scene; ``options`` are fields of :class:`Shot`."""
+        return self.see(Shot(camera, scene, **options))
+
+    def apply(self, depth: ArrayLike, camera: Camera, **options: Any) -> Seen:
+        """Occlusion over a depth image (h, w); ``options`` are fields of :class:`Shot`."""
+        return self.see(Shot(camera, depth=np.asarray(depth), **options))
+
+    def see(self, shot: Shot, renderer: Renderer | None = None) -> Seen:
+        """Draw a shot. Raises Broken when the picture breaks a promise, SettingsError when the method refuses the camera.
+
+        A filter's result comes as it is before it is rounded to 8 bits (see :mod:`.watch`).
+        """
+        if shot.size is None:
+            shot = shot.but(size=self.size if shot.depth is None else shot.depth.shape[::-1])
+        self.shots.append(shot)
+        settings = self.subject.settings(shot)
+        bare = dataclasses.replace(settings, method=watch.finite(settings.method), blur=None)
+        finite = self._draw(renderer, shot, bare, ("visibility",)).visibility
+        if settings.blur is not None:
+            settings = dataclasses.replace(settings, blur=watch.unrounded(settings.blur))
+        picture = self._draw(renderer, shot, settings, ("visibility", "depth", "normal"))
+        visibility = picture.visibility * (255 if settings.blur else 1)
+        seen = Seen(visibility, picture.depth, picture.normal)
+        for what in _broken(seen, finite):
+            raise Broken(what, shot)
+        return seen
+
+    def rounded(self, shot: Shot) -> NDArray[np.float32]:
+        """Visibility (h, w) as users get it."""
+        return self._draw(None, shot, self.subject.settings(shot), ("visibility",)).visibility
+
+    def _draw(self, renderer: Renderer | None, shot: Shot, settings: Settings, aovs: tuple[str, ...]) -> Picture:
+        renderer = renderer or self.renderer
+        options: dict[str, Any] = {"settings": settings, "aovs": aovs, "checked": True}
+        try:
+            if shot.scene is not None:
+                return renderer.render(shot.scene, shot.camera, shot.size or self.size, **options)
+            assert shot.depth is not None
+            return renderer.apply(shot.depth, shot.camera, normals=shot.normals, depth_kind=shot.kind, **options)
+        except ContextError as error:
+            raise Broken(str(error), shot) from None
+
+
+def _broken(seen: Seen, finite: NDArray[np.float32]) -> list[str]:
+    """What every picture promises, and this one does not keep."""
+    promises: dict[str, NDArray[np.bool_]] = {
+        "the method computes NaN or infinity": finite < 1,
+        "visibility is not in 0..1": ~((seen.visibility >= 0) & (seen.visibility <= 1 + 1e-6)),
+        "background is not open": ~seen.surface & (seen.visibility != 1),
+        "depth is negative or not finite": ~(np.isfinite(seen.depth) & (seen.depth >= 0)),
+        "normals are not of unit length": seen.surface & ~(np.abs((seen.normal**2).sum(-1) - 1) < 1e-2),
+    }
+    return [f"{what} at {int(where.sum())} pixels" for what, where in promises.items() if where.any()]

@@ -1,0 +1,152 @@
+"""The result of a run, as data and as a page that needs nothing else."""
+
+from __future__ import annotations
+
+import collections
+import dataclasses
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ..files import written
+from .battery import ABSENT, DECLARED, FAIL, PASS, Row
+from .fuzz import PREFIX
+
+SUFFIXES = (".html", ".json")
+VERDICTS = (PASS, DECLARED, ABSENT, FAIL)
+
+
+@dataclass
+class Results:
+    """Rows of named cases, failing rows of random ones, and how many random ones there were."""
+
+    rows: list[Row] = field(default_factory=list)
+    random: collections.Counter[tuple[str, str, str, str]] = field(default_factory=collections.Counter)
+    """(provider, method, preset, verdict) -> random cases."""
+
+    def add(self, row: Row) -> None:
+        """Count a row; of random cases that pass only the number is kept."""
+        if row.case.startswith(PREFIX):
+            self.random[row.provider, row.method, row.preset, row.verdict] += 1
+        if row.verdict == FAIL or not row.case.startswith(PREFIX):
+            self.rows.append(row)
+
+    @property
+    def failed(self) -> list[Row]:
+        return [row for row in self.rows if row.verdict == FAIL]
+
+    @property
+    def named(self) -> list[Row]:
+        return [row for row in self.rows if not row.case.startswith(PREFIX)]
+
+    def tallies(self, provider: str) -> list[tuple[str, str, str, int]]:
+        """(method, preset, verdict, number) of a provider's random cases."""
+        return [(*key[1:], number) for key, number in self.random.items() if key[0] == provider]
+
+    def counts(self) -> dict[str, int]:
+        """Verdict -> number of rows, random cases included."""
+        found = collections.Counter(row.verdict for row in self.named)
+        for (_, _, _, verdict), number in self.random.items():
+            found[verdict] += number
+        return {verdict: found[verdict] for verdict in VERDICTS}
+
+
+def save(path: Path, results: Results, facts: Mapping[str, Any]) -> None:
+    """Write the results by suffix, whole or not at all. Raises FormatError."""
+    text = page(results, facts) if path.suffix.lower() == ".html" else json.dumps(as_data(results, facts), indent=1) + "\n"
+    with written(path) as temporary:
+        temporary.write_text(text, "utf-8")
+
+
+def as_data(results: Results, facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Plain values for JSON; infinite bounds are null."""
+    rows = [{key: _plain(value) for key, value in dataclasses.asdict(row).items()} for row in results.rows]
+    random = [
+        dict(zip(("provider", "method", "preset", "verdict", "cases"), (*key, n), strict=True))
+        for key, n in results.random.items()
+    ]
+    return {**facts, "counts": results.counts(), "rows": rows, "random": random}
+
+
+def _plain(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def cell(row: Row) -> str:
+    """A row in few characters: what was measured, and the declared bound beside it."""
+    measured = "" if row.measured is None else f"{max(row.measured, 0):.2g}"
+    if row.verdict == DECLARED:
+        return f"{measured} <= {row.declared:g} declared" if row.measured is not None else "refuses, declared"
+    return {PASS: measured, ABSENT: "n/a", FAIL: f"FAIL {measured}".strip()}[row.verdict]
+
+
+def matrix(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+    """(columns, lines) of one provider's rows: cases down, methods with their presets across."""
+    labels = list(dict.fromkeys(_label(row) for row in rows))
+    lines: dict[str, dict[str, str]] = {}
+    for row in rows:
+        lines.setdefault(row.case, {})[_label(row)] = cell(row)
+    return ["case", *labels], [[case, *(found.get(label, "") for label in labels)] for case, found in lines.items()]
+
+
+def _label(row: Row) -> str:
+    return row.method if row.preset == "default" else f"{row.method}:{row.preset}"
+
+
+def page(results: Results, facts: Mapping[str, Any]) -> str:
+    """All of it as HTML."""
+    css = files("ssao_gl.report").joinpath("web", "page.css").read_text("utf-8")
+    title = "Numerical stability of ambient occlusion"
+    counts = ", ".join(f"{number} {verdict}" for verdict, number in results.counts().items())
+    head = f'<header><h1>{title}</h1><p class="lead">{escape(counts)}</p><p><code>{escape(str(facts.get("command", "")))}</code></p></header>'
+    listed = _definitions({key: value for key, value in facts.items() if key != "command"})
+    parts = [
+        _table(
+            "Failures", ("case", "method", "provider", "reason", "measured", "bound", "replay"), map(_failure, results.failed)
+        ),
+        _table(
+            "Named cases",
+            ("case", "method", "preset", "provider", "verdict", "measured", "what", "bound", "declared", "why"),
+            map(_named, results.named),
+        ),
+        _table(
+            "Random cases",
+            ("provider", "method", "preset", "verdict", "cases"),
+            ((*key, n) for key, n in results.random.items()),
+        ),
+        f"<section><h2>Made with</h2>{listed}</section>",
+    ]
+    charset = '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
+    body = f"{head}<main>{''.join(parts)}</main>"
+    return f'<!doctype html><html lang="en">{charset}<title>{title}</title><style>{css}</style>{body}</html>\n'
+
+
+def _failure(row: Row) -> tuple[Any, ...]:
+    return row.case, _label(row), row.provider, row.reason, row.measured, row.bound, row.command
+
+
+def _named(row: Row) -> tuple[Any, ...]:
+    declared = "refuses" if row.declared == math.inf else row.declared
+    return row.case, row.method, row.preset, row.provider, row.verdict, row.measured, row.unit, row.bound, declared, row.reason
+
+
+def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    heads = "".join(f"<th>{escape(column)}</th>" for column in columns)
+    lines = ["".join(f"<td>{escape(_text(value))}</td>" for value in row) for row in rows]
+    if not lines:
+        return f'<section><h2>{title}</h2><p class="note">none</p></section>'
+    body = "".join(f"<tr{' class=front' if f'<td>{FAIL}</td>' in line else ''}>{line}</tr>" for line in lines)
+    return f'<section><h2>{title}</h2><div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table></div></section>'
+
+
+def _text(value: Any) -> str:
+    return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _definitions(pairs: Mapping[str, Any]) -> str:
+    return "<dl>" + "".join(f"<dt>{escape(key)}</dt><dd>{escape(str(value))}</dd>" for key, value in pairs.items()) + "</dl>"

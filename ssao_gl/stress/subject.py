@@ -1,0 +1,91 @@
+"""What is tested: methods under their presets."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..errors import SettingsError, near_miss
+from ..methods import Deviation, Method, method, registry
+from ..passes.blur import blur
+from ..pipeline import Settings
+from ..settings import assign, limits
+from .shot import Shot
+
+DEFAULT = "default"
+AFFORDABLE = {"slices": 4, "max_steps": 128}
+"""Exhaustive methods are cut to this much work a pixel: what may go wrong goes wrong in every slice and step."""
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A method with settings, under a name."""
+
+    name: str
+    preset: str
+    method: Method
+
+    @property
+    def label(self) -> str:
+        return self.name if self.preset == DEFAULT else f"{self.name}:{self.preset}"
+
+    @property
+    def exceptions(self) -> Mapping[str, Deviation]:
+        """What the method declares to break, by the name of the contract."""
+        return self.method.exceptions
+
+    def refuses(self, contract: str) -> bool:
+        """Whether it declares to refuse a kind of camera, by an infinite bound."""
+        return contract in self.exceptions and math.isinf(self.exceptions[contract].bound)
+
+    @property
+    def radius_is_a_length(self) -> bool:
+        """Whether the radius is in scene units, as it is for methods that know of them."""
+        return any(
+            field.name == "radius" and limits(field).unit == "scene units"
+            for field in dataclasses.fields(self.method)  # type: ignore[arg-type]
+        )
+
+    def has(self, setting: str) -> bool:
+        """Whether the method has a setting of that name."""
+        return any(field.name == setting for field in dataclasses.fields(self.method))  # type: ignore[arg-type]
+
+    def settings(self, shot: Shot) -> Settings:
+        """Settings for a shot: its filter, and as much of its radius and changes as the method has."""
+        changes = {name: value for name, value in shot.changes.items() if self.has(name)}
+        if self.radius_is_a_length:
+            changes["radius"] = shot.radius
+        record: Any = dataclasses.replace(self.method, **changes)  # type: ignore[type-var]
+        return Settings(method=record, blur=blur(shot.blur), normals=shot.normals_of)
+
+
+def subjects(methods: Sequence[str] = (), presets: Sequence[str] = (DEFAULT,)) -> list[Subject]:
+    """Methods (all, or those named) times presets: ``default``, names, or ``all``. Raises SettingsError for unknown names."""
+    chosen = list(dict.fromkeys(methods)) or list(registry())
+    found = [
+        Subject(name, preset, _affordable(assign(method(name), values)))
+        for name in chosen
+        for preset, values in {DEFAULT: {}, **_presets(name)}.items()
+        if "all" in presets or preset in presets
+    ]
+    known = dict.fromkeys(["all", DEFAULT, *(preset for name in chosen for preset in _presets(name))])
+    for preset in presets:
+        if preset not in known:
+            raise SettingsError(
+                f"--presets {preset}: no method has it; there are {', '.join(known)}.{near_miss(preset, known)}"
+            )
+    return found
+
+
+def _presets(name: str) -> Mapping[str, Mapping[str, Any]]:
+    """Presets are optional."""
+    presets: Mapping[str, Mapping[str, Any]] = getattr(registry()[name], "presets", {})
+    return presets
+
+
+def _affordable(record: Any) -> Any:
+    cut = {name: top for name, top in AFFORDABLE.items() if getattr(record, name, 0) > top}
+    return dataclasses.replace(record, **cut)
