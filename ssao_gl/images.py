@@ -9,13 +9,16 @@ import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import FormatError
 from .files import unreadable, written
+
+if TYPE_CHECKING:
+    from PIL.PngImagePlugin import PngInfo
 
 SUFFIXES = (".png", ".npy", ".exr")
 MAX_PIXELS = 1 << 30
@@ -55,16 +58,22 @@ def save(path: Path | str, array: NDArray[Any], *, texts: Mapping[str, str] | No
 
 def _save_png(path: Path, array: NDArray[Any], texts: Mapping[str, str]) -> None:
     from PIL import Image
-    from PIL.PngImagePlugin import PngInfo
 
     if array.dtype == np.uint16 and array.ndim == 3:
         raise FormatError(f"16-bit PNG is for grey pictures (depth, visibility); this one has {array.shape[2]} channels")
     if array.dtype not in (np.uint8, np.uint16):
         array = to_bytes(array)
+    Image.fromarray(array).save(path, format="PNG", pnginfo=png_texts(texts), compress_level=4)
+
+
+def png_texts(texts: Mapping[str, str]) -> PngInfo:
+    """The text chunks of a PNG file."""
+    from PIL.PngImagePlugin import PngInfo
+
     info = PngInfo()
     for key, text in texts.items():
         info.add_text(key, text)
-    Image.fromarray(array).save(path, format="PNG", pnginfo=info, compress_level=4)
+    return info
 
 
 def png_bytes(array: NDArray[np.uint8]) -> bytes:

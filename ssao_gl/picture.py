@@ -41,11 +41,7 @@ class Picture:
     @property
     def texts(self) -> dict[str, str]:
         """What PNG files carry: how the picture was made. Times are left out, so equal pictures are equal files."""
-        keys = ("settings", "camera", "size", "scene", "provider", "renderer", "version")
-        return {
-            "Software": "ssao_gl",
-            **{f"ssao_gl:{key}": _plain(self.report[key]) for key in keys if key in self.report},
-        }
+        return texts(self.report)
 
     def save(self, path: Path | str, *, aov: str | None = None, bits: int = 8) -> list[Path]:
         """Write one AOV to a file by suffix (PNG, NPY, EXR), or all of them into a folder, each as NPY and as PNG.
@@ -75,22 +71,30 @@ class Picture:
         """An AOV as PNG shows it: visibility as grey, depth from near (bright) to far (dark) with background black, normals
         as 0.5 + 0.5 n."""
         array = self.arrays[name]
-        if name == "visibility":
-            return images.to_bytes(array, bits)
-        if name == "depth":
-            seen = array > 0
-            if not seen.any():
-                return images.to_bytes(np.zeros_like(array), bits)
-            near, far = float(array[seen].min()), float(array[seen].max())
-            shade = 1 - 0.95 * (array - near) / max(far - near, 1e-30)
-            return images.to_bytes(np.where(seen, shade, 0), bits)
-        if name == "normal":
-            return images.to_bytes(np.where(np.any(array, axis=-1, keepdims=True), 0.5 + 0.5 * array, 0))
-        return array
+        return shown(name, array, bits, depth_span(array) if name == "depth" else None)
 
     def _repr_png_(self) -> bytes:
         name = "image" if "image" in self.arrays else next(iter(self.arrays))
         return images.png_bytes(self.as_png(name))
+
+
+def depth_span(depth: NDArray[Any]) -> tuple[float, float] | None:
+    """Nearest and farthest of linear depths that are not background; None when all are."""
+    seen = depth[depth > 0]
+    return (float(seen.min()), float(seen.max())) if seen.size else None
+
+
+def shown(name: str, array: NDArray[Any], bits: int = 8, span: tuple[float, float] | None = None) -> NDArray[Any]:
+    """The values of an AOV, or of some of its rows, as :meth:`Picture.as_png` says. ``span``: :func:`depth_span` of all rows."""
+    if name == "visibility":
+        return images.to_bytes(array, bits)
+    if name == "depth":
+        near, far = span or (0.0, 0.0)
+        shade = 1 - 0.95 * (array - near) / max(far - near, 1e-30)
+        return images.to_bytes(np.where(array > 0, shade, 0), bits)
+    if name == "normal":
+        return images.to_bytes(np.where(np.any(array, axis=-1, keepdims=True), 0.5 + 0.5 * array, 0))
+    return array
 
 
 def save_animation(path: Path, frames: Sequence[Picture], *, seconds: float = 4.0) -> None:
@@ -104,6 +108,12 @@ def save_animation(path: Path, frames: Sequence[Picture], *, seconds: float = 4.
         pictures[0].save(
             temporary, format=kinds[path.suffix.lower()], save_all=True, append_images=pictures[1:], duration=step, loop=0
         )
+
+
+def texts(report: Mapping[str, Any]) -> dict[str, str]:
+    """The part of a report that goes into PNG files, by the keys of its text chunks."""
+    keys = ("settings", "camera", "size", "scene", "provider", "renderer", "version")
+    return {"Software": "ssao_gl", **{f"ssao_gl:{key}": _plain(report[key]) for key in keys if key in report}}
 
 
 def _plain(value: Any) -> str:

@@ -14,14 +14,17 @@ from ..methods import registry
 from ..passes.blur import BLURS
 from ..pipeline import plan_render
 from ..settings import limits
+from ..tiles import layout
 from .options import LookOptions, ViewOptions
 from .output import say, table
+from .tiling import TileOption
 
 
 def explain(
     scene: Path | None = None,
     *,
     aov: Annotated[str, Parameter(help="What is wanted, by commas.")] = "image",
+    tile: TileOption = None,
     json: Annotated[bool, Parameter(name="--json", negative="", help="As JSON.")] = False,
     view: ViewOptions = ViewOptions(),
     look: LookOptions = LookOptions(),
@@ -37,7 +40,9 @@ def explain(
     loaded = view.load(scene)
     camera = view.choose(loaded)
     settings = settings.with_radius(camera.ao_radius or loaded.default_radius())
-    plan = plan_render(settings, size, tuple(part.strip() for part in aov.split(",")))
+    aovs = tuple(part.strip() for part in aov.split(","))
+    cut = layout(loaded, camera, size, settings, aovs, tile=tile)
+    plan = plan_render(settings, cut.outer if cut else size, aovs)
     if json:
         content = {
             "scene": loaded.name, "triangles": loaded.triangles, "camera": camera.name, "settings": settings.table(),
@@ -49,13 +54,15 @@ def explain(
                 for step in plan.steps
             ],
             "slots": [{"format": s.format, "size": list(s.size), "bytes": s.bytes} for s in plan.slots],
-            "bytes": plan.bytes, "left_out": dict(plan.culled),
+            "bytes": plan.bytes, "left_out": dict(plan.culled), "tiles": cut.table() if cut else None,
         }  # fmt: skip
         say(json_module.dumps(content, indent=1))
         return 0
     method = settings.method
     say(f"{loaded.name}: {loaded.triangles:,} triangles in {len(loaded.draws)} meshes, camera {camera.name or 'automatic'}")
     say(f"{method.name}: " + ", ".join(f"{f.name} {getattr(method, f.name)}" for f in dataclasses.fields(method)))  # type: ignore[arg-type]
+    if cut:
+        say(f"{size[0]}x{size[1]} in {cut.describe()}; the plan of the largest:")
     say(plan.describe())
     return 0
 

@@ -19,8 +19,11 @@ from ..picture import Picture, save_animation
 from ..pipeline import AOVS, Settings
 from ..renderer import Renderer
 from ..scene import Scene
+from ..tiled import Job
+from ..tiles import layout
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, progress, say, write_json
+from .tiling import TileOption, draw_tiles, summary
 
 ANIMATIONS = (".gif", ".webp", ".apng")
 TIMED_FRAMES = 5
@@ -50,6 +53,7 @@ def render(
             help="Number of frames of a turn about the scene: files in a folder, or a .gif, .webp or .apng file; 0: one picture.",
         ),
     ] = 0,
+    tile: TileOption = None,
     gl: GlOption = "auto",
     json: JsonOption = None,
     view: ViewOptions = ViewOptions(),
@@ -67,13 +71,22 @@ def render(
     aovs = _aovs(aov, output, turntable)
     _check_output(output, turntable, bits)
     check_json(json)
-    if json is not None and turntable:
-        raise SettingsError("--json reports on one picture; leave it out with --turntable")
+    if turntable and (json is not None or tile is not None):
+        option = "--json reports on" if tile is None else "--tile is for"
+        raise SettingsError(f"{option} one picture; leave it out with --turntable")
     loaded = view.load(scene)
     camera = view.choose(loaded)
     with Renderer(gl) as renderer:
         if turntable:
             _turn(renderer, loaded, camera, size, settings, aovs, output, turntable)
+            return 0
+        settled = settings.with_radius(camera.ao_radius or loaded.default_radius())
+        cut = layout(loaded, camera, size, settled, aovs, tile=tile, limit=renderer.ctx.max_size)
+        if cut is not None:
+            job = Job(scene=loaded, camera=camera, size=size, settings=settled, aovs=aovs, layout=cut, output=output, bits=bits)
+            report = draw_tiles(renderer, job, json)
+            if json:
+                write_json(json, report)
             return 0
         picture = renderer.render(loaded, camera, size, settings, aovs=aovs, timed=TIMED_FRAMES if json else 0)
     _save(picture, output, bits, json)
@@ -115,16 +128,7 @@ def _check_output(output: Path, turntable: int, bits: int) -> None:
 
 def _save(picture: Picture, output: Path, bits: int, json: Path | None) -> None:
     aov = next(iter(picture.arrays)) if len(picture.arrays) == 1 else None
-    paths = picture.save(output, aov=aov, bits=bits)
-    report = picture.report
-    where = str(paths[0]) if len(paths) == 1 else f"{output}{'' if str(output).endswith('/') else '/'} ({len(paths)} files)"
-    settings = report["settings"]
-    say(
-        f"{where}: {report['scene']}, {report['triangles']:,} triangles, {report['size'][0]}x{report['size'][1]}, {settings['method']}"
-        f" radius {settings[settings['method']]['radius']:.4g}, blur {settings['blur']}, {report['provider']} ({report['renderer']}),"
-        f" {1e3 * report['seconds']:.0f} ms",
-        json,
-    )
+    say(summary(output, picture.save(output, aov=aov, bits=bits), picture.report), json)
 
 
 def _turn(
