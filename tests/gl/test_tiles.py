@@ -83,7 +83,7 @@ def put_together(
 @pytest.mark.parametrize("blur", [None, ao.Joint()], ids=["raw", "joint"])
 @pytest.mark.parametrize(("view", "name"), CASES)
 def test_tiles_are_the_whole(any_renderer: ao.Renderer, embedded: Scene, view: str, name: str, blur: Any) -> None:
-    """2x2 tiles, the upper and the right ones smaller: planes exactly, at edges a few taps may move by a texel.
+    """2x2 tiles, the upper and the right ones smaller: planes to one step, at edges a few taps may move by a texel.
 
     Vertices are rounded to fractions of a pixel after the projection, which differs, so a tap that hits the border of
     two texels may take the other one. A seam along the tiles would be a hundred times as many pixels.
@@ -93,7 +93,7 @@ def test_tiles_are_the_whole(any_renderer: ao.Renderer, embedded: Scene, view: s
     whole = any_renderer.render(scene, cam, SIZE, made, aovs=("visibility",)).visibility
     off = np.abs(stitched(any_renderer, scene, cam, made, 336, ("visibility",))["visibility"] - whole)
     if scene is not embedded:
-        assert off.max() == 0
+        assert off.max() <= STEP
     assert (off > STEP).mean() <= 1e-4 and (off > 0).mean() <= 1e-3
 
 
