@@ -63,10 +63,8 @@ class Mosaic:
             for name, array in arrays.items():
                 self._put(name, inner, array)
         except OSError as error:
-            raise FormatError(
-                f"cannot write {self.folder}: {error.strerror or error}; the {self.done} tiles before are kept, and the same"
-                " command goes on from there"
-            ) from None
+            kept = f"; the {self.done} tiles before are kept, and the same command goes on from there" if self.done else ""
+            raise FormatError(f"cannot write {self.folder}: {error.strerror or error}{kept}") from None
         self.done += 1
         state = {"identity": self._identity, "arrays": list(arrays), "done": self.done, "notes": self.notes}
         with written(self.folder / STATE) as temporary:
