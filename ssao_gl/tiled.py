@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import images, png, sources
+from . import images, sources
 from .camera import Camera
 from .errors import FormatError
 from .files import make_folder
@@ -165,6 +165,8 @@ def _publish(job: Job, mosaic: Mosaic, notes: dict[str, str], track: Track) -> l
 
 
 def _write_png(job: Job, mosaic: Mosaic, aov: str, path: Path, notes: dict[str, str], track: Track) -> None:
+    from . import png  # brings Pillow, which no other part needs before
+
     bands: Iterable[NDArray[Any]] = mosaic.bands(aov)
     if job.keeps_values(aov):
         span = _span(mosaic, aov) if aov == "depth" else None
