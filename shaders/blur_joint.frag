@@ -7,23 +7,26 @@
 
 uniform sampler2D u_packed;   // visibility and linear depth
 uniform sampler2D u_normal;
-uniform vec2 u_step;          // uv of one texel along the axis
+uniform vec2 u_target_texel;  // 1 / size of the target
+uniform vec2 u_target_uv;     // uv of the image for each fragment of the target
+uniform vec2 u_next;          // one texel along the axis: of the target,
+uniform vec2 u_step;          // and as uv of the image
 uniform float u_weights[RADIUS + 1];
 uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w = 1)
 
 // A tap i texels along the axis: (visibility, 1) by its weight. Background (depth 0) weighs nothing.
 // line is (a, b, d) and plane the plane's own distance, both in units of the tolerance.
 vec2 ssao_tap(vec2 uv, float i, float weight, vec3 line, float plane) {
-    vec2 tap = ssao_unpack(SAMPLE(u_packed, uv + i * u_step).r);
+    vec2 tap = ssao_unpack(SAMPLE(u_packed, uv + i * u_next).r);
     float off = abs((line.x + i * line.y) * tap.y + i * line.z - plane);
     return tap.y > 0.0 ? vec2(tap.x, 1.0) * (clamp(2.0 - off, 0.0, 1.0) * weight) : vec2(0.0);
 }
 
 void main() {
-    vec2 uv = gl_FragCoord.xy * u_texel;
+    vec2 uv = gl_FragCoord.xy * u_target_texel;
     vec2 here = ssao_unpack(SAMPLE(u_packed, uv).r);
     vec3 n = ssao_decode_normal(SAMPLE(u_normal, uv).xy);
-    vec3 line = vec3(dot(n.xy, u_ray * uv + u_ray0) - n.z, dot(n.xy, u_ray * u_step), 0.0);
+    vec3 line = vec3(dot(n.xy, u_ray * (gl_FragCoord.xy * u_target_uv) + u_ray0) - n.z, dot(n.xy, u_ray * u_step), 0.0);
 #ifndef PINHOLE
     line.z = dot(n.xy, u_org * u_step);
 #endif

@@ -18,12 +18,16 @@ void main() {
 #else
     float z = d;
 #endif
-    // Infinity and NaN have no place in what follows; the upper bound keeps squares of distances finite.
+    // Infinity and NaN have no place in what follows; the bounds keep squares of distances finite and above zero.
 #ifdef ES100
-    bool usable = z > 0.0 && z < 9e18;
+    bool usable = z > 1.1e-19 && z < 9e18;
 #else
-    // Tested on the bits: compilers may assume that floats are never NaN. Sign 0, exponent below 2^63.
-    bool usable = (floatBitsToUint(z) >> 23u) < 190u && z > 0.0;
+    // Tested on the bits: compilers may assume that floats are never NaN. Sign 0, exponent from -63 to 62.
+    uint exponent = floatBitsToUint(z) >> 23u;
+    bool usable = exponent >= 64u && exponent < 190u;
 #endif
     frag_color = vec4(usable ? z : 0.0);
+#ifdef COVER
+    gl_FragDepth = usable ? 0.0 : 1.0;
+#endif
 }

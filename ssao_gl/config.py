@@ -6,16 +6,18 @@ import dataclasses
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from .errors import SettingsError, near_miss
 from .files import unreadable
-from .methods import method, registry
+from .methods import Method, method, registry
 from .passes.blur import BLURS, blur
-from .pipeline import Settings, Shading
+from .pipeline import RULES, Settings, Shading
 from .settings import assign
 
-NAMES = ("method", "blur", "normals")
+DEFAULT_METHOD = "bitmask"
+
+NAMES = ("method", "preset", "blur", "normals", "keep")
 """Settings of their own, in no group."""
 
 
@@ -33,22 +35,25 @@ def settings_from(
     table: Mapping[str, Any] | None = None,
     *,
     method_name: str | None = None,
+    preset_name: str | None = None,
     blur_name: str | None = None,
     assignments: Iterable[str] = (),
     overrides: Mapping[str, Any] | None = None,
+    keep: Iterable[str] = (),
 ) -> Settings:
-    """Settings in rising order of precedence: defaults, ``table`` (from TOML), names, ``group.key=value`` texts, overrides.
+    """Settings in rising order of precedence: defaults, the preset, ``table`` (from TOML), names, ``group.key=value`` texts, overrides.
 
     Groups are ``shading``, ``blur`` (the chosen filter) and the name of the chosen method; a key without a group is the
     method's, but for ``normals``. ``overrides`` are fields of the method. Raises SettingsError naming what is unknown.
     """
     table = dict(table or {})
     chosen: dict[str, Any] = {
-        "method": method(method_name or _text(table, "method", "alchemy")),
+        "method": preset(method_name or _text(table, "method", DEFAULT_METHOD), preset_name or _text(table, "preset", "")),
         "blur": blur(blur_name or _text(table, "blur", "joint")),
         "shading": Shading(),
         "normals": _text(table, "normals", "geometric"),
     }
+    chosen["keep"] = _rules([*_names(table, "keep"), *keep])
     name = chosen["method"].name
     groups = {name: "method", "method": "method", "shading": "shading"}
     groups |= {f"blur_{chosen['blur'].name}": "blur"} if chosen["blur"] else {}
@@ -86,6 +91,26 @@ def settings_from(
                 raise SettingsError(f"--{key}: {name} has no such setting; it has {', '.join(sorted(fields))}")
             chosen["method"] = assign(chosen["method"], {key: value})
     return Settings(**chosen)
+
+
+def preset(name: str, chosen: str = "") -> Method:
+    """The method called ``name`` under one of its presets, as shipped without. Raises SettingsError for unknown names."""
+    shipped, presets = method(name), getattr(registry().get(name), "presets", {})
+    if chosen and chosen not in presets:
+        known = ", ".join(presets) or "none"
+        raise SettingsError(f"{name} has no preset '{chosen}'; it has {known}.{near_miss(chosen, presets)}")
+    return cast(Method, assign(shipped, presets[chosen]) if chosen else shipped)
+
+
+def _rules(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(RULES) if "all" in names else tuple(dict.fromkeys(names))
+
+
+def _names(table: Mapping[str, Any], key: str) -> list[str]:
+    value = table.get(key, [])
+    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+        raise SettingsError(f"{key} = {value!r}: must be a list of names in quotes")
+    return value
 
 
 def _text(table: Mapping[str, Any], key: str, default: str) -> str:

@@ -2,7 +2,8 @@
 
 Every resource name has exactly one writer. Compiling walks back from the wanted outputs, so passes that nobody
 needs are culled and the order of the walk is the order of execution; transient textures whose lifetimes do not
-overlap share a slot.
+overlap share a slot. A pass may draw on top of what another one left (``over``), and only where a depth buffer lets it
+(``test``): the cheapest way not to shade a pixel on every renderer.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from typing import Any
 from .errors import GraphError, near_miss
 
 BYTES = {"r8": 1, "rgba8": 4, "rg16f": 4, "r32f": 4, "depth24": 4}
-"""Bytes a pixel of each texture format; ``depth24`` is a depth buffer that no pass reads."""
+"""Bytes a pixel of each texture format; ``depth24`` is a depth buffer, which passes are tested against but never sample."""
+
+DEPTH = "depth24"
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +33,18 @@ class Tex:
 
 
 @dataclass(frozen=True, slots=True)
+class Test:
+    """Which pixels a full-screen pass draws: those nearer than its triangle in the depth buffer ``name``.
+
+    ``far``: the triangle lies at the far plane, so that what a scene covers is drawn. Else it lies half way, for depth
+    buffers that a pass wrote as a mask: 0 draws, 1 leaves out.
+    """
+
+    name: str
+    far: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Pass:
     """What a pass reads and writes and the one draw that does it. More than one write means multiple render targets."""
 
@@ -38,7 +53,17 @@ class Pass:
     writes: Mapping[str, Tex]
     draw: Callable[[Any], None] = field(compare=False, repr=False)
     depth: str | None = None
-    """Format of a depth buffer that lives only while the pass draws."""
+    """Name of the depth buffer that it writes; it lives on when another pass is tested against it."""
+    test: Test | None = None
+    over: Mapping[str, str] = field(default_factory=dict)
+    """Written name -> the resource it is drawn on top of, whose texture it takes over."""
+    clear: tuple[float, ...] | None = None
+    """What a tested pass leaves where it does not draw, in targets that are not drawn over."""
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """All that must be there before it runs."""
+        return (*self.reads, *self.over.values(), *((self.test.name,) if self.test else ()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +74,10 @@ class Step:
     writes: tuple[str, ...]
     slots: tuple[int, ...]
     size: tuple[int, int]
+    scale: int
+    """How many pixels of the frame a fragment stands for, along each side."""
     depth_slot: int | None
+    """Of the depth buffer that it writes or is tested against."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,9 +126,10 @@ class Plan:
                 f"{name} {self.slots[slot].format} {size} -> slot {slot}"
                 for name, slot in zip(step.writes, step.slots, strict=True)
             ]
-            if step.depth_slot is not None:
-                wrote.append(f"(depth buffer {step.task.depth} {size} -> slot {step.depth_slot})")
+            if step.task.depth is not None:
+                wrote.append(f"{step.task.depth} {DEPTH} {size} -> slot {step.depth_slot}")
             reads = " ".join(step.task.reads) or "-"
+            reads += f"  where {step.task.test.name} lets it" if step.task.test else ""
             lines.append(f"{number:2d} {step.task.name:{width}}  reads {reads}")
             lines += [f"   {'':{width}}  writes {text}" for text in wrote]
         lines += [f"   left out: {name}: {reason}" for name, reason in self.culled.items()]
@@ -117,12 +146,12 @@ def compile(
     """Order, cull and place. ``notes`` are reasons, by name, for what the caller itself left out.
 
     Raises GraphError: a name with two writers, a read that nobody writes, a cycle, an unknown format, targets of one
-    pass that differ in size.
+    pass that differ in size, a pass drawn over what is read later.
     """
     writer = _writers(passes, inputs)
     order = _walk(passes, writer, outputs, inputs)
-    wanted = set(outputs).union(*(task.reads for task in order)) if order else set(outputs)
-    last = {name: index for index, task in enumerate(order) for name in task.reads}
+    wanted = set(outputs).union(*(task.needs for task in order)) if order else set(outputs)
+    last = {name: index for index, task in enumerate(order) for name in task.needs}
     last.update(dict.fromkeys(outputs, len(order)))
 
     slots: list[Slot] = []
@@ -143,15 +172,21 @@ def compile(
 
     for index, task in enumerate(order):
         live = tuple(name for name in task.writes if name in wanted)
-        size = _target_size(task, frame)
+        size, scale = _target_size(task, frame), round(1 / next(iter(task.writes.values())).scale)
         for name in live:
-            where[name] = place(Slot(task.writes[name].format, size))
-        depth_slot = None if task.depth is None else place(Slot(task.depth, size))
-        steps.append(Step(task, live, tuple(where[name] for name in live), size, depth_slot))
+            under = task.over.get(name)
+            if under is not None:
+                _check_over(task, name, under, slots[where[under]], size, last[under] > index)
+            where[name] = place(Slot(task.writes[name].format, size)) if under is None else where[under]
+        if task.depth is not None:
+            where[task.depth] = place(Slot(DEPTH, size))
+        tested = task.depth or (task.test.name if task.test else None)
+        steps.append(Step(task, live, tuple(where[name] for name in live), size, scale, where[tested] if tested else None))
         # Freed only after the writes were placed: a pass must never read the texture it draws into.
-        if depth_slot is not None:
-            free.append(depth_slot)
-        free += [where[name] for name in dict.fromkeys(task.reads) if last[name] == index and name in where]
+        over = set(task.over.values())
+        done = [name for name in dict.fromkeys(task.needs) if last[name] == index and name in where and name not in over]
+        done += [task.depth] if task.depth is not None and task.depth not in last else []
+        free += [where[name] for name in done]
 
     culled = dict(notes or {})
     culled.update({task.name: "nothing wants what it writes" for task in passes if task not in order})
@@ -162,6 +197,20 @@ def compile(
     return Plan(frame, tuple(inputs), tuple(outputs), tuple(steps), tuple(slots), where, culled, unshared)
 
 
+def _check_over(task: Pass, name: str, under: str, slot: Slot, size: tuple[int, int], read_later: bool) -> None:
+    wrong = (
+        "somebody wants that as it was"
+        if read_later
+        else "it also reads that"
+        if under in task.reads
+        else "their formats or sizes differ"
+        if slot != Slot(task.writes[name].format, size)
+        else None
+    )
+    if wrong:
+        raise GraphError(f"pass '{task.name}' draws '{name}' over '{under}', but {wrong}")
+
+
 def _writers(passes: Iterable[Pass], inputs: Collection[str]) -> dict[str, Pass]:
     writer: dict[str, Pass] = {}
     names: set[str] = set()
@@ -169,7 +218,7 @@ def _writers(passes: Iterable[Pass], inputs: Collection[str]) -> dict[str, Pass]
         if task.name in names:
             raise GraphError(f"two passes are called '{task.name}'")
         names.add(task.name)
-        for name, tex in task.writes.items():
+        for name, tex in {**task.writes, **({task.depth: Tex(DEPTH)} if task.depth else {})}.items():
             if name in writer or name in inputs:
                 other = f"pass '{writer[name].name}'" if name in writer else "the caller, as an input"
                 raise GraphError(f"pass '{task.name}' writes '{name}', which is also written by {other}")
@@ -202,7 +251,7 @@ def _walk(passes: Sequence[Pass], writer: Mapping[str, Pass], outputs: Iterable[
         if task in order:
             return
         open_passes.append(task.name)
-        for read in task.reads:
+        for read in task.needs:
             visit(read, f"pass '{task.name}'")
         open_passes.pop()
         order.append(task)

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from .camera import Camera, Part
 from .errors import SettingsError, near_miss
-from .graph import Pass, Plan, compile
+from .graph import Pass, Plan, Test, compile
 from .methods import Method, method
-from .methods.alchemy import Alchemy
-from .passes import screen
+from .methods.bitmask import Bitmask
+from .passes import screen, small
 from .passes.blur import Blur, Joint
 from .settings import setting, validate
 from .view import Size
 
 AOVS = ("image", "visibility", "depth", "normal", "color")
 """What a picture can hold: shaded image, visibility, linear depth, view-space normals, base colour."""
+
+GUARD_STEP = 16
+
+RULES: Mapping[str, str] = {"background": "pixels that show nothing are not shaded"}
+"""What is left out where a scene does not need it, by the name that keeps it in."""
 
 RESOURCES: Mapping[str, str] = {
     "image": "image",
@@ -54,7 +61,7 @@ class Shading:
 class Settings:
     """Everything that decides a picture but the scene, the camera and the size."""
 
-    method: Method = field(default_factory=Alchemy)
+    method: Method = field(default_factory=Bitmask)
     blur: Blur | None = field(default_factory=Joint)
     shading: Shading = field(default_factory=Shading)
     normals: str = setting(
@@ -62,9 +69,16 @@ class Settings:
         "what occlusion goes by: the triangles' own normals, as rays do, or the mesh's smooth ones",
         choices=("geometric", "shading"),
     )
+    keep: tuple[str, ...] = ()
+    """Rules of leaving out that are switched off, of :data:`RULES`."""
 
     def __post_init__(self) -> None:
         validate(self)
+        for rule in self.keep:
+            if rule not in RULES:
+                raise SettingsError(
+                    f"keep='{rule}': there is no such rule; there are {', '.join(RULES)}.{near_miss(rule, RULES)}"
+                )
 
     def with_radius(self, radius: float) -> Settings:
         """These settings with an automatic radius settled to ``radius`` scene units."""
@@ -83,19 +97,51 @@ class Settings:
             **({f"blur_{self.blur.name}": as_table(self.blur)} if self.blur else {}),
             "shading": as_table(self.shading),
             "normals": self.normals,
+            **({"keep": list(self.keep)} if self.keep else {}),
         }
 
 
 def as_method(value: Method | str | None) -> Method:
     """A method from its name, or itself; None is the default."""
     if value is None:
-        return Alchemy()
+        return Bitmask()
     return method(value) if isinstance(value, str) else value
 
 
-def _after_gbuffer(settings: Settings) -> list[Pass]:
-    passes = [screen.over_far(), screen.occlusion(settings.method, packed=settings.blur is not None)]
-    return passes + (settings.blur.passes() if settings.blur else [])
+def small_scale(settings: Settings) -> int:
+    """How many pixels of the image along each side one stands for that occlusion is drawn for.
+
+    1 for methods that cannot be drawn smaller, and under filters that work at full size alone.
+    """
+    scale: int = getattr(settings.method, "scale", 1)
+    return scale if settings.blur is None or isinstance(settings.blur, Joint) else 1
+
+
+def guard(settings: Settings, camera: Camera, size: Size) -> int:
+    """Pixels that a renderer draws around the image on each side, so that taps see what lies beside.
+
+    A multiple of ``GUARD_STEP``, so that noise and smaller images keep their places.
+    """
+    height = camera.lens.whole[1] if isinstance(camera.lens, Part) else size[1]
+    return math.ceil(getattr(settings.method, "guard", 0.0) * height / GUARD_STEP) * GUARD_STEP
+
+
+def _after_gbuffer(settings: Settings, background: Test) -> list[Pass]:
+    method, blur, scale = settings.method, settings.blur, small_scale(settings)
+    cover = None if "background" in settings.keep else background
+    tile = getattr(method, "tile", 4)
+    if scale == 1:
+        occlusion = screen.occlusion(method, packed=blur is not None, test=cover)
+        return [screen.over_far(), occlusion, *(blur.passes(tile, cover) if blur else [])]
+    todo, least = Test(small.TODO), getattr(method, "refine", 0.0)
+    tolerance = blur.tolerance if isinstance(blur, Joint) else Joint().tolerance
+    return [
+        small.shrink(scale),
+        screen.occlusion(method, packed=True, scale=scale, test=todo),
+        *(blur.small_passes(tile, scale, todo) if isinstance(blur, Joint) else []),
+        small.upsample("small visibility" if blur else "raw", scale, tolerance, cover, least),
+        *([screen.refine(method, small.MISSED)] if least else []),
+    ]
 
 
 def _notes(settings: Settings) -> dict[str, str]:
@@ -119,7 +165,7 @@ def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)
     passes = [
         gbuffer(settings.shading.background_rgb, geometric=settings.normals == "geometric"),
         layer_behind(),
-        *_after_gbuffer(settings),
+        *_after_gbuffer(settings, Test(screen.COVER, far=True)),
         screen.composite(settings.shading.ambient, direct=True),
     ]
     return compile(passes, size, resources(aovs), notes=_notes(settings))
@@ -151,7 +197,7 @@ def plan_apply(
     passes = [
         screen.linearize(window=depth == WINDOW_DEPTH),
         screen.encode_normals() if normals else screen.normals_from_depth(),
-        *_after_gbuffer(settings),
+        *_after_gbuffer(settings, Test(screen.COVER)),
         screen.composite(settings.shading.ambient, direct=False),
     ]
     inputs = ["depth", *(["normal_xyz"] if normals else []), *(["color"] if "image" in outputs else [])]

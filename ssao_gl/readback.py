@@ -30,11 +30,11 @@ def aov(frame: Frame, name: str, *, alpha: bool = False) -> NDArray[Any]:
     return array if alpha else np.ascontiguousarray(array[..., :3])
 
 
-def measure(frame: Frame, rounds: int, view: View, inputs: Any = None, *, context: Any = None) -> dict[str, Any]:
-    """Median milliseconds over ``rounds`` frames: of each pass, of the G-buffer, and of everything after it."""
+def measure(frame: Frame, rounds: int, view: View, inputs: Any = None, **drawn: Any) -> dict[str, Any]:
+    """Median milliseconds over ``rounds`` frames (``drawn``: see :meth:`Frame.run`): of each pass, of the G-buffer, and of everything after it."""
     runs: list[list[PassTime]] = []
     for _ in range(rounds):
-        frame.run(view, inputs, context=context, timed=True)
+        frame.run(view, inputs, **drawn, timed=True)
         runs.append(frame.times)
     if not runs:
         return {}

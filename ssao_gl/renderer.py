@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import importlib.metadata
 import time
@@ -13,16 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import gl
-from .camera import Camera
+from .camera import Camera, Part
 from .gl.context import Context
-from .gl.frame import Frame, PassTime
+from .gl.frame import Frame, PassTime, Rect
 from .gl.kit import Kit
 from .graph import Plan
 from .inputs import check_arrays, check_size, radius_of
 from .passes.blur import Blur
 from .passes.gbuffer import SceneOnGpu
 from .picture import Picture
-from .pipeline import Settings, plan_apply, plan_filter, plan_render
+from .pipeline import GUARD_STEP, Settings, guard, plan_apply, plan_filter, plan_render
 from .readback import aov, measure
 from .scene import Scene
 from .view import Size, View
@@ -85,12 +86,12 @@ class Renderer:
         ``aovs``: any of image, visibility, depth, normal, color. ``timed`` draws that many frames
         more and reports the median milliseconds of each pass.
         """
-        settings, frame, view = self._ready(scene, camera, size, settings, aovs)
+        settings, frame, view, inside = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
-        frame.run(view, context=self._scene, checked=checked)
+        frame.run(view, context=self._scene, inside=inside, checked=checked)
         arrays = {name: aov(frame, name) for name in aovs}
         report = self._report(settings, size, frame, time.perf_counter() - started)
-        report |= measure(frame, timed, view, context=self._scene)
+        report |= measure(frame, timed, view, context=self._scene, inside=inside)
         used = self._scene.camera if self._scene else None
         return Picture(
             arrays,
@@ -102,8 +103,8 @@ class Renderer:
         self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
     ) -> list[PassTime]:
         """Draw one frame with every pass timed, and read nothing back."""
-        _, frame, view = self._ready(scene, camera, size, settings, aovs)
-        frame.run(view, context=self._scene, timed=True)
+        _, frame, view, inside = self._ready(scene, camera, size, settings, aovs)
+        frame.run(view, context=self._scene, inside=inside, timed=True)
         return frame.times
 
     @_current
@@ -111,18 +112,22 @@ class Renderer:
         self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
     ) -> Callable[[], object]:
         """A function that draws the frame again and waits for nothing: what a loop of one's own would call."""
-        _, frame, view = self._ready(scene, camera, size, settings, aovs)
-        return lambda: frame.run(view, context=self._scene)
+        _, frame, view, inside = self._ready(scene, camera, size, settings, aovs)
+        return lambda: frame.run(view, context=self._scene, inside=inside)
 
     def _ready(
         self, scene: Scene, camera: Camera | None, size: Size, settings: Settings | None, aovs: Sequence[str]
-    ) -> tuple[Settings, Frame, View]:
-        """Everything on the GPU for a frame: the scene, its camera, the plan's textures."""
+    ) -> tuple[Settings, Frame, View, Rect | None]:
+        """Everything on the GPU for a frame: the scene, its camera, the plan's textures; and where in them the image lies."""
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
         settings = (settings or Settings()).with_radius(camera.ao_radius or scene.default_radius())
         self._show(scene, camera, size)
-        key = ("render", settings, size, tuple(aovs))
-        return settings, self._plan(key, lambda: plan_render(settings, size, aovs)), camera.view(size)
+        (w, h), room = size, (self.ctx.max_size - max(size)) // 2 // GUARD_STEP * GUARD_STEP
+        border = max(0, min(guard(settings, camera, size), room))
+        outer = w + 2 * border, h + 2 * border
+        wide = dataclasses.replace(camera, lens=Part(camera.lens, size, (-border, -border))) if border else camera
+        frame = self._plan(("render", settings, outer, tuple(aovs)), lambda: plan_render(settings, outer, aovs))
+        return settings, frame, wide.view(outer), (border, border, w, h) if border else None
 
     def _show(self, scene: Scene, camera: Camera, size: Size) -> None:
         """The scene on the GPU, before this camera. Raises SettingsError for a size that cannot be."""

@@ -35,9 +35,8 @@ struct SsaoSlice {
     vec2 normal;    // of the surface: its parts along and to the viewer, as unit vector
     float weight;   // |N_s| T, what the slice contributes
     float share;    // of the normal out of the slice, over |N_s|
-    vec2 edge;      // cosines at the hemisphere's edge on the + and the - side
     float u0;       // u of the viewer's direction
-    float per_t;    // 1 / T
+    vec2 curve;     // (cos g, sin g) / 2 T
 };
 
 // The slice in direction along (unit, at right angles to v) for the normal n and the unit direction v to the viewer.
@@ -54,10 +53,9 @@ SsaoSlice ssao_slice(vec3 along, vec3 v, vec3 n) {
     gamma = clamp(gamma, -0.5 * SSAO_PI, 0.5 * SSAO_PI);
     float sin_g = s.normal.x, cos_g = max(s.normal.y, 0.0);
     float t = cos_g + gamma * sin_g;
-    s.per_t = 1.0 / t;
+    s.curve = 0.5 / t * vec2(cos_g, sin_g);
     s.weight = length_ns * t;
-    s.u0 = 0.5 * (cos_g * cos_g * cos_g - sin_g * (0.5 * SSAO_PI - gamma - sin_g * cos_g)) * s.per_t;
-    s.edge = vec2(-sin_g, sin_g);
+    s.u0 = 0.5 / t * (cos_g * cos_g * cos_g - sin_g * (0.5 * SSAO_PI - gamma - sin_g * cos_g));
     return s;
 }
 
@@ -67,11 +65,12 @@ vec2 ssao_into_slice(SsaoSlice s, vec3 d, vec3 v) {
     return vec2(dot(d, s.along), dot(d, v)) + s.normal * (dot(d, s.axis) * s.share);
 }
 
-// u of a direction q in the slice on side +1 or -1, clamped to the hemisphere.
+// u of a direction q in the slice on side +1 or -1 (q.x side >= 0), clamped to the hemisphere. t - sin t cos t is
+// pi/2 - cos t (P(sin t) + sin t) with P(x) = acos(x) / sqrt(1 - x^2), a polynomial of degree 4 within 1e-4.
 float ssao_u(SsaoSlice s, vec2 q, float side) {
-    float c = q.y * inversesqrt(max(dot(q, q), 1e-30));
-    c = clamp(c, side > 0.0 ? s.edge.x : s.edge.y, 1.0);
-    float sin2 = 1.0 - c * c;
-    float m = 0.5 * (max(s.normal.y, 0.0) * sin2 + side * s.normal.x * (ssao_acos(c) - c * sqrt(max(sin2, 0.0))));
-    return clamp(s.u0 + side * m * s.per_t, 0.0, 1.0);
+    vec2 cs = q.yx * (inversesqrt(max(dot(q, q), 1e-30)) * vec2(1.0, side));
+    float x = cs.y;
+    float p = 1.5707042 + x * (0.0059233 + x * (0.7234546 + x * (-0.4245332 + x * 0.1251507)));
+    float u = s.u0 + side * s.curve.x * (x * x) + s.curve.y * (0.5 * SSAO_PI - cs.x * p);
+    return cs.x < -side * s.normal.x ? 0.5 + 0.5 * side : clamp(u, 0.0, 1.0);
 }

@@ -3,72 +3,119 @@
 #needs es300
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
+#include "lib/pixel.glsl"
 #include "lib/output.glsl"
 #include "lib/slice.glsl"
 #include "lib/bits.glsl"
+#ifdef FALLOFF
+#include "lib/falloff.glsl"
+#endif
 
 uniform sampler2D u_z;
-uniform sampler2D u_normal;
+#ifdef SECOND_LAYER
+uniform sampler2D u_z2;
+#endif
 uniform sampler2D u_noise;    // (cos, sin) of the first slice's direction, place of the taps between their steps
 uniform float u_noise_width;  // pixels
-uniform float u_radius;       // scene units
+uniform float u_per_radius;   // 1 / scene units
 uniform vec2 u_thickness;     // of slabs, in radii: constant part, and share of the way to the next tap
 uniform float u_max_radius;   // pixels
 uniform vec2 u_next_slice;    // (cos, sin) of the angle between slices
 
-// What all taps of a slice have in common.
+// What all taps of a slice have in common. Lengths are in radii, offsets on the image in pixels.
 struct SsaoSweep {
     SsaoSlice slice;
-    vec3 p;
-    vec3 v;
-    vec2 reach;  // pixels, along the slice
-    vec2 least;  // a step of one pixel
+    vec2 at;      // the pixel
+    vec2 way;     // direction on the image
+    vec2 room;    // to the border of the image, to the + and the - side
+    vec2 reach;   // to go at most
     float offset;
+    float z;
+    vec2 to_z;    // what a unit of depth adds along the slice and to the viewer
+    mat2 to_xy;   // what a pixel aside adds to these for each unit of depth
+#ifndef PINHOLE
+    mat2 to_xy0;  // and whatever the depth
+#endif
 };
 
-// The bits that one texel hides: what lies within the radius, and behind it as far as the slab is thick.
-uint ssao_texel(SsaoSweep w, vec2 at, float side, float thickness) {
-    vec2 tap = (floor(at) + 0.5) * u_texel;
-    float z = SAMPLE(u_z, tap).r;
-    vec3 d = (ssao_position(tap, z) - w.p) / u_radius;
-    vec2 front = ssao_into_slice(w.slice, d, w.v);
+// The bits that a surface hides, offset pixels aside at depth z: within the radius, and behind it as far as the slab is thick.
+uint ssao_hidden(SsaoSweep w, vec2 offset, float z, float side, float thickness) {
+    vec2 front = w.to_xy * offset * z + w.to_z * (z - w.z);
+#ifndef PINHOLE
+    front += w.to_xy0 * offset;
+#endif
     // Over one radius all rays of sight are as good as parallel: the slab reaches straight away from the viewer.
     float near = ssao_u(w.slice, front, side);
     float far = ssao_u(w.slice, front - vec2(0.0, thickness), side);
-    bool counts = z > 0.0 && dot(d, d) < 1.0 && front.x * side > 0.0 && tap == clamp(tap, vec2(0.0), vec2(1.0));
-    return counts ? ssao_bits(min(near, far), max(near, far)) : 0u;
+    float distance2 = dot(front, front);
+    uint bits = side > 0.0 ? ssao_bits(near, far) : ssao_bits(far, near);
+#ifdef FALLOFF
+    // What counts by a share hides that share of its bits, always the same ones first: nearer occluders win.
+    bits &= ssao_spread(ssao_rho(sqrt(distance2)));
+#endif
+    return z > 0.0 && distance2 < 1.0 && front.x * side > 0.0 ? bits : 0u;
+}
+
+uint ssao_texel(SsaoSweep w, vec2 way, float side, float thickness) {
+    vec2 offset = floor(w.at + way) + 0.5 - w.at;
+    vec2 tap = (w.at + offset) * u_texel;
+    uint hidden = ssao_hidden(w, offset, SAMPLE(u_z, tap).r * u_per_radius, side, thickness);
+#ifdef SECOND_LAYER
+    hidden |= ssao_hidden(w, offset, SAMPLE(u_z2, tap).r * u_per_radius, side, thickness);
+#endif
+    return hidden;
 }
 
 // Step k to both sides. Taps crowd near the pixel (power 3/2); a slab is thicker where the next tap is farther away.
 uint ssao_step(SsaoSweep w, float k) {
     vec2 q = (vec2(k, k + 1.0) + w.offset) / float(STEPS);
     vec2 t = q * sqrt(q);
-    vec2 way = w.reach * t.x + w.least;
     float thickness = u_thickness.x + u_thickness.y * (t.y - t.x);
-    return ssao_texel(w, gl_FragCoord.xy + way, 1.0, thickness) | ssao_texel(w, gl_FragCoord.xy - way, -1.0, thickness);
+    vec2 r = min(w.reach * t.x + 1.0, w.room);
+    return ssao_texel(w, w.way * r.x, 1.0, thickness) | ssao_texel(w, -w.way * r.y, -1.0, thickness);
+}
+
+// Pixels from at along way to the border of the image, from the centre of the last texel.
+float ssao_room(vec2 at, vec2 way) {
+    vec2 border = mix(at - 0.5, u_size - 0.5 - at, vec2(greaterThan(way, vec2(0.0))));
+    vec2 room = border / max(abs(way), 1e-6);
+    return min(room.x, room.y);
 }
 
 // (visibility, 1) of the slice in direction turn, by its weight.
-vec2 ssao_sweep(vec3 p, vec3 v, vec3 n, vec2 turn, float offset) {
+vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
     vec3 along = ssao_along(v, turn);
-    vec2 texels = ssao_texels(p, along) * (u_radius / ssao_w(-p.z));
+    vec2 texels = ssao_texels(p, along) * (1.0 / (u_per_radius * ssao_w(-p.z)));
     float pixels = max(length(texels), 1e-6);
-    vec2 direction = texels / pixels;
-    SsaoSweep w = SsaoSweep(ssao_slice(along, v, n), p, v, direction * min(pixels, u_max_radius), direction, offset);
+    SsaoSweep w;
+    w.slice = ssao_slice(along, v, pixel.n);
+    w.at = pixel.at;
+    w.way = texels / pixels;
+    float reach = min(pixels, u_max_radius);
+    w.room = vec2(ssao_room(w.at, w.way), ssao_room(w.at, -w.way));
+    w.reach = min(vec2(reach), max(w.room - 1.0, 0.0));
+    w.offset = offset;
+    w.z = pixel.z * u_per_radius;
+    vec2 uv = pixel.at * u_texel;
+    vec2 right = u_ray[0] * u_texel.x, up = u_ray[1] * u_texel.y;
+    w.to_z = ssao_into_slice(w.slice, vec3(u_ray * uv + u_ray0, -1.0), v);
+    w.to_xy = mat2(ssao_into_slice(w.slice, vec3(right, 0.0), v), ssao_into_slice(w.slice, vec3(up, 0.0), v));
+#ifndef PINHOLE
+    right = u_org[0] * u_texel.x * u_per_radius, up = u_org[1] * u_texel.y * u_per_radius;
+    w.to_xy0 = mat2(ssao_into_slice(w.slice, vec3(right, 0.0), v), ssao_into_slice(w.slice, vec3(up, 0.0), v));
+#endif
     uint bits = 0u;
 #repeat STEPS bits |= ssao_step(w, float(@));
     return vec2(1.0 - ssao_count(bits) / 32.0, 1.0) * w.slice.weight;
 }
 
 void main() {
-    vec2 uv = gl_FragCoord.xy * u_texel;
-    float z = SAMPLE(u_z, uv).r;
-    vec3 p = ssao_position(uv, max(z, 1e-30));
+    SsaoPixel pixel = ssao_pixel();
+    vec3 p = ssao_position(pixel.at * u_texel, max(pixel.z, 1e-30));
     vec3 v = ssao_to_viewer(p);
-    vec3 n = ssao_decode_normal(SAMPLE(u_normal, uv).xy);
     vec4 noise = SAMPLE(u_noise, gl_FragCoord.xy / u_noise_width);
     vec2 turn = noise.xy;
     vec2 sum = vec2(0.0);
-#repeat SLICES sum += ssao_sweep(p, v, n, turn, noise.z); turn = mat2(u_next_slice, -u_next_slice.y, u_next_slice.x) * turn;
-    ssao_write(sum.x / max(sum.y, 1e-6), z);
+#repeat SLICES sum += ssao_sweep(pixel, p, v, turn, noise.z); turn = mat2(u_next_slice, -u_next_slice.y, u_next_slice.x) * turn;
+    ssao_write(sum.x / max(sum.y, 1e-6), pixel.z);
 }

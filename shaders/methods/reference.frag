@@ -25,8 +25,9 @@ float ssao_open(vec2 horizon) { return max(0.0, horizon.y - horizon.x); }
 // 128 bits of equal measure.
 #define BLOCKED uvec4
 void ssao_block(inout uvec4 bits, float near, float far, float side) {
-    float a = 4.0 * min(near, far), b = 4.0 * max(near, far);
-    bits |= uvec4(ssao_bits(a, b), ssao_bits(a - 1.0, b - 1.0), ssao_bits(a - 2.0, b - 2.0), ssao_bits(a - 3.0, b - 3.0));
+    vec4 a = clamp(4.0 * min(near, far) - vec4(0.0, 1.0, 2.0, 3.0), 0.0, 1.0);
+    vec4 b = clamp(4.0 * max(near, far) - vec4(0.0, 1.0, 2.0, 3.0), 0.0, 1.0);
+    bits |= uvec4(ssao_bits(a.x, b.x), ssao_bits(a.y, b.y), ssao_bits(a.z, b.z), ssao_bits(a.w, b.w));
 }
 float ssao_open(uvec4 bits) {
     return 1.0 - (ssao_count(bits.x) + ssao_count(bits.y) + ssao_count(bits.z) + ssao_count(bits.w)) / 128.0;

@@ -16,7 +16,7 @@ from ..config import read_toml, settings_from
 from ..errors import SettingsError
 from ..methods import registry
 from ..passes.blur import BLURS
-from ..pipeline import Settings, Shading
+from ..pipeline import RULES, Settings, Shading
 from ..scene import Scene
 from ..settings import limits, title
 from ..view import Matrix, Size
@@ -33,7 +33,10 @@ def _option(text: str) -> Parameter:
 class LookOptions:
     """Which method, which filter, and their settings."""
 
-    method: Annotated[str | None, _option("AO method; `ssao-gl methods` lists them. [default: alchemy]")] = None
+    method: Annotated[str | None, _option("AO method; `ssao-gl methods` lists them. [default: bitmask]")] = None
+    preset: Annotated[
+        str | None, _option("How much time for how little error: draft, low, medium, high or ultra. [default: medium]")
+    ] = None
     radius: Annotated[
         float | None,
         _option("Reach of occlusion, scene units. [default: the camera file's ao_radius, else a share of the scene]"),
@@ -49,6 +52,13 @@ class LookOptions:
             show_default=False,
         ),
     ] = ()
+    keep: Annotated[
+        tuple[str, ...],
+        Parameter(
+            name="--keep", help=f"A rule of leaving out to switch off: {', '.join(RULES)}.", negative="", show_default=False
+        ),
+    ] = ()
+    keep_all: Annotated[bool, Parameter(name="--keep-all", help="Leave nothing out.", negative="", show_default=False)] = False
     config: Annotated[Path | None, _option("TOML file with settings. [default: none]")] = None
 
     def settings(self) -> Settings:
@@ -57,9 +67,11 @@ class LookOptions:
         return settings_from(
             table,
             method_name=self.method,
+            preset_name=self.preset,
             blur_name=self.blur,
             assignments=self.set,
             overrides={"radius": self.radius, "samples": self.samples},
+            keep=["all"] if self.keep_all else self.keep,
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,11 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ContextError
-from ..graph import Plan, Step
+from ..graph import DEPTH, Plan, Step
 from ..sources import Define
 from ..view import View
 from .context import Context
 from .kit import FORMATS, Kit
+
+GL_COLOR, GL_DEPTH_TEST, GL_SCISSOR_TEST = 0x1800, 0x0B71, 0x0C11
+GL_LESS, GL_GREATER, GL_ALWAYS = 0x0201, 0x0204, 0x0207
+
+
+Rect = tuple[int, int, int, int]
+"""x, y, width, height in pixels, from the lower left."""
 
 
 class Target(Protocol):
@@ -34,6 +42,7 @@ class Stage:
     target: Target
     textures: dict[str, moderngl.Texture]
     view: View
+    tester: Tester
     context: Any = None
     """What the caller of :meth:`Frame.run` passed along (the scene, say)."""
 
@@ -49,7 +58,7 @@ class Stage:
         """Draw one triangle with the shader ``fragment``.
 
         ``samplers`` maps sampler uniforms to resource names, ``lookups`` to small repeating arrays; the constants of the
-        view are set where the shader declares them.
+        view and of the target are set where the shader declares them. Only pixels that the pass's test lets are drawn.
         """
         every = dict(defines or {})
         if self.view.pinhole:
@@ -67,9 +76,66 @@ class Stage:
             unit += 1
         program.set(units)
         program.set({k: v for k, v in self.view.constants.items() if k in program.declared})
+        program.set({k: v for k, v in target_constants(self.step, self.view).items() if k in program.declared})
         program.set(uniforms)
         self.target.use()
+        with self.tester(self.step):
+            vao.render(moderngl.TRIANGLES)
+
+    def copy(self, resource: str, target: Target) -> None:
+        """Draw a resource into a framebuffer of the caller's."""
+        program, vao = self.kit.triangle("copy.frag", {})
+        self.kit.bind(0, self.textures[resource])
+        program.set({"u_image": 0, "u_texel": self.view.constants["u_texel"]})
+        target.use()
         vao.render(moderngl.TRIANGLES)
+
+
+def target_constants(step: Step, view: View) -> dict[str, Any]:
+    """Uniforms of ``lib/pixel.glsl``. A fragment of a smaller target stands for ``scale`` by ``scale`` pixels of the image."""
+    (w, h), scale = view.size, step.scale
+    return {
+        "u_target_texel": (1 / step.size[0], 1 / step.size[1]),
+        "u_target_uv": (scale / w, scale / h),
+        "u_scale": float(scale),
+        "u_test_depth": 1.0 if step.task.test and step.task.test.far else 0.0,
+    }
+
+
+class Tester:
+    """``with tester(task):`` full-screen draws go through the pass's depth test, or write its depth buffer; passes that say
+    what is left elsewhere (``clear``) draw only ``inside``: x, y, width, height in pixels of the image."""
+
+    def __init__(self, ctx: Context) -> None:
+        gl = ctx.functions
+        self._enable, self._disable = gl("glEnable", None, ctypes.c_uint), gl("glDisable", None, ctypes.c_uint)
+        self._func = gl("glDepthFunc", None, ctypes.c_uint)
+        self._scissor = gl("glScissor", None, *[ctypes.c_int] * 4)
+        self.inside: Rect | None = None
+        self._depth = self._cut = False
+
+    def __call__(self, step: Step) -> Tester:
+        task = step.task
+        self._depth, self._cut = bool(task.test or task.depth), bool(self.inside and task.clear)
+        if self._depth:
+            self._enable(GL_DEPTH_TEST)
+            self._func(GL_GREATER if task.test else GL_ALWAYS)
+        if self.inside and self._cut:
+            x, y, w, h = self.inside
+            x0, y0, x1, y1 = x // step.scale, y // step.scale, -(-(x + w) // step.scale), -(-(y + h) // step.scale)
+            self._enable(GL_SCISSOR_TEST)
+            self._scissor(x0, y0, x1 - x0, y1 - y0)
+        return self
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, *_: object) -> None:
+        if self._depth:
+            self._disable(GL_DEPTH_TEST)
+            self._func(GL_LESS)
+        if self._cut:
+            self._disable(GL_SCISSOR_TEST)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,12 +166,13 @@ class Frame:
             self.release()
             raise ContextError(f"{ctx.renderer} cannot make the targets of {plan.frame[0]}x{plan.frame[1]}: {error}") from None
         self._textures = {name: self._slots[slot] for name, slot in plan.where.items()}
+        self._tester = Tester(ctx)
         self.times: list[PassTime] = []
         self._timer: Timer | None = None
 
     def _make(self, format_: str, size: tuple[int, int]) -> Any:
         mgl = self.kit.ctx.mgl
-        if format_ == "depth24":
+        if format_ == DEPTH:
             made: Any = mgl.depth_renderbuffer(size)
         else:
             components, dtype = FORMATS[format_]
@@ -118,8 +185,17 @@ class Frame:
     def _framebuffer(self, step: Step) -> moderngl.Framebuffer:
         depth = None if step.depth_slot is None else self._slots[step.depth_slot]
         made = self.kit.ctx.mgl.framebuffer([self._slots[slot] for slot in step.slots], depth)
+        made.depth_mask = step.task.depth is not None
         self._owned.append(made)
         return made
+
+    def _clear(self, step: Step, target: Target) -> None:
+        """What a tested pass leaves where it does not draw."""
+        target.use()
+        clear = self.kit.ctx.functions("glClearBufferfv", None, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
+        for index, name in enumerate(step.writes):
+            if name not in step.task.over:
+                clear(GL_COLOR, index, ctypes.addressof((ctypes.c_float * 4)(*(step.task.clear or (0.0,) * 4))))
 
     def run(
         self,
@@ -127,17 +203,20 @@ class Frame:
         inputs: Mapping[str, moderngl.Texture] | None = None,
         *,
         context: Any = None,
+        inside: Rect | None = None,
         targets: Mapping[str, Target] | None = None,
         timed: bool = False,
         checked: bool = False,
     ) -> dict[str, moderngl.Texture]:
         """Draw every step and return the output textures by name.
 
-        ``targets`` draws an output once more, into a framebuffer of the caller's. ``timed`` fills ``times``; ``checked``
+        ``inside``: the part of the image that is wanted; what only it needs is drawn only there, and :meth:`read` gives it.
+        ``targets`` copies an output into a framebuffer of the caller's. ``timed`` fills ``times``; ``checked``
         asks OpenGL for errors after each pass and raises ContextError naming it.
         """
         textures = {**self._textures, **(inputs or {})}
-        stage = Stage(self.kit, self.plan.steps[0], self._targets[0], textures, view, context)
+        self._tester.inside = inside
+        stage = Stage(self.kit, self.plan.steps[0], self._targets[0], textures, view, self._tester, context)
         timer = None
         if timed:
             timer = self._timer = self._timer or Timer(self.kit.ctx)
@@ -146,30 +225,35 @@ class Frame:
             stage.step, stage.target = step, target
             if timer:
                 timer.start()
+            if step.task.clear and (step.task.test or inside):
+                self._clear(step, target)
             step.task.draw(stage)
-            if targets and len(step.writes) == 1 and step.writes[0] in targets:
-                stage.target = targets[step.writes[0]]
-                step.task.draw(stage)
             if timer:
                 timer.stop(step.task.name)
             if checked:
                 self.kit.ctx.check_error(f"pass '{step.task.name}'")
+        for name, caller in (targets or {}).items():
+            stage.copy(name, caller)
         if timer:
             self.times = timer.results()
         return {name: textures[name] for name in self.plan.outputs}
 
     def read(self, name: str) -> NDArray[Any]:
-        """A resource of the plan as an array (h, w, channels), row 0 at the *bottom*: float32, or uint8 for 8-bit formats."""
+        """A resource of the plan as an array (h, w, channels), row 0 at the *bottom*: float32, or uint8 for 8-bit formats.
+
+        Of resources of full size the part that was wanted.
+        """
         index = next(i for i, step in enumerate(self.plan.steps) if name in step.writes)
         step = self.plan.steps[index]
         attachment = step.writes.index(name)
         components, dtype = FORMATS[step.task.writes[name].format]
         wide = "f1" if dtype == "f1" else "f4"
+        inside = self._tester.inside if step.scale == 1 else None
+        rect = inside or (0, 0, *step.size)
         # Four channels whatever the format: the only reading that OpenGL ES promises.
-        data = self._targets[index].read(components=4, attachment=attachment, dtype=wide)
+        data = self._targets[index].read(viewport=rect, components=4, attachment=attachment, dtype=wide)
         array = np.frombuffer(data, np.uint8 if wide == "f1" else np.float32)
-        w, h = step.size
-        return array.reshape(h, w, 4)[..., :components]
+        return array.reshape(rect[3], rect[2], 4)[..., :components]
 
     def release(self) -> None:
         """Free every texture and framebuffer. Calling it twice does no harm."""

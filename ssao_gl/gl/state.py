@@ -39,8 +39,8 @@ CURRENT_PROGRAM, VERTEX_ARRAY, ARRAY_BUFFER, RENDERBUFFER = 0x8B8D, 0x85B5, 0x88
 ARRAY_BUFFER_BINDING, RENDERBUFFER_BINDING = 0x8894, 0x8CA7
 PIXEL_PACK_BUFFER, PIXEL_UNPACK_BUFFER, PIXEL_PACK_BINDING, PIXEL_UNPACK_BINDING = 0x88EB, 0x88EC, 0x88ED, 0x88EF
 DRAW_FRAMEBUFFER, READ_FRAMEBUFFER, DRAW_FRAMEBUFFER_BINDING, READ_FRAMEBUFFER_BINDING = 0x8CA9, 0x8CA8, 0x8CA6, 0x8CAA
-VIEWPORT, COLOR_MASK, DEPTH_MASK, MAX_VIEWPORTS, MAX_DRAW_BUFFERS, MAX_IMAGE_UNITS = (
-    0x0BA2, 0x0C23, 0x0B72, 0x825B, 0x8824, 0x8872,
+VIEWPORT, COLOR_MASK, DEPTH_MASK, DEPTH_FUNC, MAX_VIEWPORTS, MAX_DRAW_BUFFERS, MAX_IMAGE_UNITS = (
+    0x0BA2, 0x0C23, 0x0B72, 0x0B74, 0x825B, 0x8824, 0x8872,
 )  # fmt: skip
 BLEND_SRC_RGB, BLEND_DST_RGB, BLEND_SRC_A, BLEND_DST_A = 0x80C9, 0x80C8, 0x80CB, 0x80CA
 POLYGON_MODE, FRONT_AND_BACK, FILL = 0x0B40, 0x0408, 0x1B02
@@ -62,7 +62,7 @@ BINDINGS = {
     "program": CURRENT_PROGRAM, "vertex array": VERTEX_ARRAY, "array buffer": ARRAY_BUFFER_BINDING,
     "renderbuffer": RENDERBUFFER_BINDING, "pack buffer": PIXEL_PACK_BINDING, "unpack buffer": PIXEL_UNPACK_BINDING,
     "draw framebuffer": DRAW_FRAMEBUFFER_BINDING, "read framebuffer": READ_FRAMEBUFFER_BINDING, "depth mask": DEPTH_MASK,
-    "active texture": ACTIVE_TEXTURE,
+    "active texture": ACTIVE_TEXTURE, "depth function": DEPTH_FUNC,
 }  # fmt: skip
 
 State = dict[str, Any]
@@ -206,6 +206,7 @@ class GlState:
         self._restore_viewports(saved["viewports"])
         self._restore_color_masks(saved["color masks"])
         gl("glDepthMask", None, B)(saved["depth mask"])
+        gl("glDepthFunc", None, U)(saved["depth function"])
         store = gl("glPixelStorei", None, U, I)
         for name, pname in self._store.items():
             store(pname, saved[name])

@@ -10,67 +10,93 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SettingsError
 from ..kernel import bayer
 from ..settings import setting, validate
 from ..sources import Define
 from ..view import View
 from . import Deviation, register
 
-TILE = 4
-"""Width of the noise tile, in pixels: what the default filter averages away."""
+FALLOFFS = ("hard", "quadratic", "obscurance", "alchemy")
+"""As in :class:`ssao_gl.falloff.Falloff`; the shader knows them by number."""
 
 
 @register
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bitmask:
-    """Slices whose occluders are slabs, kept in 32 bits of equal measure; a hard radius.
+    """Slices whose occluders are slabs, kept in 32 bits of equal measure.
 
     After Therrien, Levesque, Gilet, "Screen Space Indirect Lighting with Visibility Bitmask", 2023. There the sectors are
     equal in angle, which is not the measure of cosine-weighted occlusion; here each stands for the same share of the
     slice integral of Jimenez et al., "Practical Realtime Strategies for Accurate Indirect Occlusion", 2016. Slices are
-    averaged by their weights, so a plane is exactly open at any tilt; taps outside the image hide nothing.
+    averaged by their weights, so a plane is exactly open at any tilt. Taps never leave the image.
     """
 
     name: ClassVar[str] = "bitmask"
     shader: ClassVar[str] = "methods/bitmask.frag"
-    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
-        "draft": {"steps": 3},
-        "low": {"steps": 5},
-        "medium": {"steps": 8},
-        "high": {"slices": 2, "steps": 12},
-        "ultra": {"slices": 3, "steps": 24},
+        "draft": {"scale": 4, "steps": 6},
+        "low": {"scale": 2, "steps": 5},
+        "medium": {},
+        "high": {"scale": 1, "tile": 4, "slices": 1, "steps": 12},
+        "ultra": {"scale": 1, "tile": 4, "slices": 1, "steps": 14, "layers": 2},
     }
 
     radius: float | None = setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
-    slices: int = setting(1, "directions through each pixel", low=1, high=16)
-    steps: int = setting(8, "taps to each side of a slice", low=1, high=64)
-    thickness: float = setting(0.4, "of what a texel shows, behind it", unit="radii", low=0, high=1000)
-    bridge: float = setting(1.5, "thickness added per distance to the next tap, so that slabs leave no gaps", low=0, high=1000)
+    slices: int = setting(2, "directions through each pixel", low=1, high=16)
+    steps: int = setting(10, "taps to each side of a slice", low=1, high=64)
+    tile: int = setting(2, "width of the noise tile: 1, 2, 4 or 8; the filter averages it away", unit="pixels", low=1, high=8)
+    thickness: float = setting(0.25, "of what a texel shows, behind it", unit="radii", low=0, high=1000)
+    bridge: float = setting(2.5, "thickness added per distance to the next tap, so that slabs leave no gaps", low=0, high=1000)
+    layers: int = setting(
+        1, "2: also what lies directly behind (the renderer draws it; arrays and effects have one)", low=1, high=2
+    )
+    falloff: str = setting("hard", "how an occluder counts with its distance, as in ray-traced truth", choices=FALLOFFS)
+    scale: int = setting(
+        2, "1, 2 or 4: pixels of the image along each side of a pixel for which occlusion is drawn", low=1, high=4
+    )
+    refine: float = setting(
+        0.0, "pixels whose surface the smaller image knows by less than this are drawn again at full size", low=0, high=1
+    )
+    guard: float = setting(
+        0.04, "of the image's height, drawn around it (by a renderer) so that taps see what lies beside", low=0, high=1
+    )
     max_radius: float = setting(
         256.0, "largest footprint; nearer surfaces get a smaller reach", unit="pixels", low=1, high=4096
     )
 
     def __post_init__(self) -> None:
         validate(self)
+        for name, known in (("scale", (1, 2, 4)), ("tile", (1, 2, 4, 8))):
+            if getattr(self, name) not in known:
+                raise SettingsError(f"bitmask.{name}={getattr(self, name)}: must be one of {', '.join(map(str, known))}")
+
+    @property
+    def samplers(self) -> Mapping[str, str]:
+        return {"u_z": "z", **({"u_z2": "z2"} if self.layers == 2 else {})}
 
     def defines(self) -> Mapping[str, Define]:
-        return {"SLICES": self.slices, "STEPS": self.steps}
+        every: dict[str, Define] = {"SLICES": self.slices, "STEPS": self.steps}
+        every |= {"SECOND_LAYER": 1} if self.layers == 2 else {}
+        return every | ({"FALLOFF": FALLOFFS.index(self.falloff)} if self.falloff != "hard" else {})
 
     def uniforms(self, view: View) -> Mapping[str, Any]:
+        if self.radius is None:
+            raise ValueError("the radius must be settled before the draw")
         angle = math.pi / self.slices
         return {
-            "u_radius": self.radius,
+            "u_per_radius": 1 / self.radius,
             "u_thickness": (self.thickness, self.bridge),
             "u_max_radius": self.max_radius,
-            "u_noise_width": float(TILE),
+            "u_noise_width": float(self.tile),
             "u_next_slice": (math.cos(angle), math.sin(angle)),
         }
 
     def lookups(self) -> Mapping[str, NDArray[np.float32]]:
         """Directions and step offsets, both stratified over the tile and in an order that sets neighbours apart."""
-        order = bayer(TILE).reshape(TILE, TILE)
-        angle = (order + 0.5) / TILE**2 * math.pi / self.slices
-        offset = (order * 7 % TILE**2 + 0.5) / TILE**2
+        count = self.tile**2
+        order = bayer(self.tile).reshape(self.tile, self.tile)
+        angle = (order + 0.5) / count * math.pi / self.slices
+        offset = (order * 7 % count + 0.5) / count
         return {"u_noise": np.stack([np.cos(angle), np.sin(angle), offset, np.zeros_like(offset)], -1).astype(np.float32)}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import SettingsError, near_miss
 from ..gl.frame import Stage
-from ..graph import Pass, Tex
+from ..graph import Pass, Test, Tex
 from ..settings import setting, validate
 
 
@@ -20,7 +20,9 @@ class Blur(Protocol):
 
     name: ClassVar[str]
 
-    def passes(self) -> list[Pass]: ...
+    def passes(self, tile: int = 4, cover: Test | None = None) -> list[Pass]:
+        """At full size. ``tile``: width of the noise, pixels. ``cover``: which pixels there are."""
+        ...
 
 
 def gaussian(radius: int, sigma: float) -> NDArray[np.float32]:
@@ -46,36 +48,47 @@ class Joint:
 
     name: ClassVar[str] = "joint"
 
-    radius: int = setting(2, "half width; 2 matches the 4x4 rotation texture", unit="pixels", low=1, high=16)
+    radius: int | None = setting(None, "half width; none: half of the method's noise tile", unit="pixels", low=1, high=16)
     sigma: float = setting(
         0.0, "of a Gaussian in space; 0: flat, matched to a tile 2 radius wide", unit="pixels", low=0, high=16
     )
     tolerance: float = setting(
-        1.0, "distance off the tangent plane that still counts in full", unit="pixels", above=0, high=1000
+        0.5, "distance off the tangent plane that still counts in full", unit="pixels", above=0, high=1000
     )
 
     def __post_init__(self) -> None:
         validate(self)
 
-    def passes(self) -> list[Pass]:
-        return [self._pass("blur x", "raw", "blurred x", 0), self._pass("blur y", "blurred x", "visibility", 1)]
+    def passes(self, tile: int = 4, cover: Test | None = None) -> list[Pass]:
+        names = ("raw", "blurred x", "visibility")
+        return [self._pass(axis, names[axis], names[axis + 1], tile, 1, cover) for axis in (0, 1)]
 
-    def _pass(self, name: str, source: str, result: str, axis: int) -> Pass:
-        weights = gaussian(self.radius, self.sigma) if self.sigma > 0 else matched(self.radius)
-        last = axis == 1
+    def small_passes(self, tile: int, scale: int, test: Test) -> list[Pass]:
+        """The same at a smaller size, to ``small visibility``, which keeps depth for the way back to full size."""
+        names = ("raw", "blurred x", "small visibility")
+        return [self._pass(axis, names[axis], names[axis + 1], tile, scale, test) for axis in (0, 1)]
+
+    def _pass(self, axis: int, source: str, result: str, tile: int, scale: int, test: Test | None) -> Pass:
+        radius = self.radius or max(1, tile // 2)
+        weights = gaussian(radius, self.sigma) if self.sigma > 0 else matched(radius)
+        last = result == "visibility"
+        normal = "normal" if scale == 1 else "small normal"
 
         def draw(stage: Stage) -> None:
-            step = [0.0, 0.0]
-            step[axis] = 1 / stage.view.size[axis]
+            texel, step = [0.0, 0.0], [0.0, 0.0]
+            texel[axis], step[axis] = 1 / stage.step.size[axis], scale / stage.view.size[axis]
             uniforms = {
+                "u_next": tuple(texel),
                 "u_step": tuple(step),
                 "u_weights": weights,
-                "u_per_pixel": 1 / (self.tolerance * stage.view.pixel),
+                "u_per_pixel": 1 / (self.tolerance * scale * stage.view.pixel),
             }
-            defines = {"PACKED": 1, "RADIUS": self.radius, **({"LAST": 1} if last else {})}
-            stage.fullscreen("blur_joint.frag", uniforms, {"u_packed": source, "u_normal": "normal"}, defines=defines)
+            defines = {"PACKED": 1, "RADIUS": radius, **({"LAST": 1} if last else {})}
+            stage.fullscreen("blur_joint.frag", uniforms, {"u_packed": source, "u_normal": normal}, defines=defines)
 
-        return Pass(name, (source, "normal"), {result: Tex("r8" if last else "r32f")}, draw)
+        target = Tex("r8") if last else Tex("r32f", 1 / scale)
+        clear = (1.0,) * 4 if last else (0.0,) * 4
+        return Pass(f"blur {'xy'[axis]}", (source, normal), {result: target}, draw, test=test, clear=clear)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,8 +107,8 @@ class LectureBlur:
     def __post_init__(self) -> None:
         validate(self)
 
-    def passes(self) -> list[Pass]:
-        return [_intensity_pass("blur", "raw", "visibility", self, (1, 1))]
+    def passes(self, tile: int = 4, cover: Test | None = None) -> list[Pass]:
+        return [_intensity_pass("blur", "raw", "visibility", self, (1, 1), cover)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,14 +124,16 @@ class Separable:
     def __post_init__(self) -> None:
         validate(self)
 
-    def passes(self) -> list[Pass]:
+    def passes(self, tile: int = 4, cover: Test | None = None) -> list[Pass]:
         return [
-            _intensity_pass("blur x", "raw", "blurred x", self, (1, 0)),
-            _intensity_pass("blur y", "blurred x", "visibility", self, (0, 1)),
+            _intensity_pass("blur x", "raw", "blurred x", self, (1, 0), cover),
+            _intensity_pass("blur y", "blurred x", "visibility", self, (0, 1), cover),
         ]
 
 
-def _intensity_pass(name: str, source: str, result: str, blur: LectureBlur | Separable, axes: tuple[int, int]) -> Pass:
+def _intensity_pass(
+    name: str, source: str, result: str, blur: LectureBlur | Separable, axes: tuple[int, int], cover: Test | None
+) -> Pass:
     weights = gaussian(blur.radius, blur.sigma_space)
     last = result == "visibility"
     defines = {"PACKED": 1, "WIDTH": axes[0] * blur.radius, "HEIGHT": axes[1] * blur.radius, "RADIUS": blur.radius}
@@ -128,7 +143,8 @@ def _intensity_pass(name: str, source: str, result: str, blur: LectureBlur | Sep
         every = {**defines, **({"LAST": 1} if last else {})}
         stage.fullscreen("blur_intensity.frag", uniforms, {"u_packed": source}, defines=every)
 
-    return Pass(name, (source,), {result: Tex("r8" if last else "r32f")}, draw)
+    target, clear = (Tex("r8"), (1.0,) * 4) if last else (Tex("r32f"), (0.0,) * 4)
+    return Pass(name, (source,), {result: target}, draw, test=cover, clear=clear)
 
 
 BLURS: Mapping[str, type[Joint] | type[LectureBlur] | type[Separable]] = {

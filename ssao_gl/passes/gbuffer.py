@@ -16,6 +16,7 @@ from ..gl.kit import Kit
 from ..graph import Pass, Tex
 from ..scene import Draw, Scene
 from ..view import Matrix, View
+from .screen import COVER
 
 GL_COLOR, GL_DEPTH, GL_DEPTH_TEST = 0x1800, 0x1801, 0x0B71
 CHUNK = 1 << 18
@@ -36,7 +37,7 @@ def gbuffer(background: Sequence[float], *, geometric: bool) -> Pass:
     def draw(stage: Stage) -> None:
         _draw_scene(stage, [clear[name] for name in stage.step.writes], {}, {"GEOMETRIC": 1} if geometric else {})
 
-    return Pass("gbuffer", (), targets, draw, depth="depth24")
+    return Pass("gbuffer", (), targets, draw, depth=COVER)
 
 
 def layer_behind() -> Pass:
@@ -47,7 +48,7 @@ def layer_behind() -> Pass:
         uniforms = {"u_front": 0, "u_texel": stage.view.constants["u_texel"]}
         _draw_scene(stage, [(0.0,) * 4], uniforms, {"BEHIND": 1})
 
-    return Pass("layer behind", ("z",), {"z2": Tex("r32f")}, draw, depth="depth24")
+    return Pass("layer behind", ("z",), {"z2": Tex("r32f")}, draw, depth="behind")
 
 
 def _draw_scene(

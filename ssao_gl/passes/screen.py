@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
 from ..gl.frame import Stage
-from ..graph import Pass, Tex
+from ..graph import Pass, Test, Tex
 from ..methods import Method
 from ..view import View
+
+PIXEL = {
+    False: {"u_pixel_z": "z", "u_pixel_normal": "normal"},
+    True: {"u_pixel_z": "small z", "u_pixel_normal": "small normal"},
+}
+"""Where methods that can be drawn at a smaller size find the pixel itself."""
+
+COVER = "cover"
+"""Depth buffer that tells what is not background."""
 
 
 def linearize(*, window: bool) -> Pass:
@@ -16,9 +26,11 @@ def linearize(*, window: bool) -> Pass:
 
     def draw(stage: Stage) -> None:
         constants = stage.view.depth_constants if window else {}
-        stage.fullscreen("linearize.frag", constants, {"u_depth": "depth"}, defines={"WINDOW_DEPTH": 1} if window else {})
+        stage.fullscreen(
+            "linearize.frag", constants, {"u_depth": "depth"}, defines={"COVER": 1, **({"WINDOW_DEPTH": 1} if window else {})}
+        )
 
-    return Pass("linearize", ("depth",), {"z": Tex("r32f")}, draw)
+    return Pass("linearize", ("depth",), {"z": Tex("r32f")}, draw, depth=COVER)
 
 
 def normals_from_depth() -> Pass:
@@ -48,19 +60,34 @@ def over_far() -> Pass:
     return Pass("z over far", ("z",), {"z_over_far": Tex("r32f")}, draw)
 
 
-def occlusion(method: Method, *, packed: bool) -> Pass:
-    """The method itself. ``packed`` hands visibility and depth in one texel to a blur, else it is the final visibility."""
-    defines = {**method.defines(), **({"PACKED": 1} if packed else {})}
+def occlusion(method: Method, *, packed: bool, scale: int = 1, test: Test | None = None) -> Pass:
+    """The method itself. ``packed`` hands visibility and depth in one texel to a blur, else it is the final visibility.
+
+    ``scale`` above 1: at a smaller size, for the pixels that ``shrink`` chose. ``test``: which pixels need it.
+    """
+    return _occlusion(method, method.name, {"raw": Tex("r32f", 1 / scale)} if packed else {"visibility": Tex("r8")}, test, {})
+
+
+def refine(method: Method, missed: str) -> Pass:
+    """The method again, at full size, over what ``upsample`` left: so few pixels are not filtered, so they get more slices."""
+    better = dataclasses.replace(method, slices=max(4, method.slices))  # type: ignore[type-var, attr-defined]
+    return _occlusion(better, f"{method.name} refine", {"visibility": Tex("r8")}, Test(missed), {"visibility": "upsampled"})
+
+
+def _occlusion(method: Method, name: str, writes: Mapping[str, Tex], test: Test | None, over: Mapping[str, str]) -> Pass:
+    packed, small = "raw" in writes, next(iter(writes.values())).scale < 1
+    defines = {**method.defines(), **({"PACKED": 1} if packed else {}), **({"SMALL": 1} if small else {})}
+    samplers = {**method.samplers, **(PIXEL[small] if hasattr(method, "scale") else {})}
     lookups = method.lookups()
     seen: list[tuple[View, Mapping[str, Any]]] = []
 
     def draw(stage: Stage) -> None:
         if not seen or seen[0][0] is not stage.view:
             seen[:] = [(stage.view, method.uniforms(stage.view))]
-        stage.fullscreen(method.shader, seen[0][1], method.samplers, defines=defines, lookups=lookups)
+        stage.fullscreen(method.shader, seen[0][1], samplers, defines=defines, lookups=lookups)
 
-    writes = {"raw": Tex("r32f")} if packed else {"visibility": Tex("r8")}
-    return Pass(method.name, tuple(method.samplers.values()), writes, draw)
+    clear = (0.0,) * 4 if packed else (1.0,) * 4  # background
+    return Pass(name, tuple(samplers.values()), writes, draw, test=test, over=over, clear=clear)
 
 
 def pack() -> Pass:
@@ -83,4 +110,4 @@ def composite(ambient: float, *, direct: bool) -> Pass:
             defines={"DIRECT": 1} if direct else {},
         )
 
-    return Pass("composite", ("color", "visibility"), {"image": Tex("rgba8")}, draw)
+    return Pass("composite", ("color", "visibility"), {"image": Tex("rgba8")}, draw, clear=(0.0,) * 4)

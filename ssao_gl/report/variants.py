@@ -33,7 +33,7 @@ class Variant:
         return self.method if self.preset == DEFAULT else f"{self.method} {self.preset}"
 
 
-YARDSTICK = Variant("lecture", "4 taps, no filter", Settings(method=Lecture(), blur=None))
+YARDSTICK = Variant("lecture", "4 taps, no filter", Settings(method=Lecture(), blur=None, keep=("background",)))
 """What times are given as multiples of: the lecture's pass alone, 4 taps, timed in the same rounds."""
 
 

@@ -271,7 +271,7 @@ def test_what_cannot_be_read_or_drawn_is_named(context: Context, effect: ao.Effe
 
 
 def test_construction_says_what_is_wrong(context: Context) -> None:
-    with pytest.raises(ao.SettingsError, match="Effect: give alchemy a radius, in the units of your depth"):
+    with pytest.raises(ao.SettingsError, match="Effect: give bitmask a radius, in the units of your depth"):
         ao.Effect(context, SIZE)
     with pytest.raises(ao.SettingsError, match="size 0x48"):
         ao.Effect(context, (0, 48), SETTINGS)

@@ -13,7 +13,7 @@ from ssao_gl.config import read_toml, settings_from
 from ssao_gl.errors import SettingsError
 from ssao_gl.methods import registry
 from ssao_gl.passes.blur import BLURS, Joint
-from ssao_gl.pipeline import Settings
+from ssao_gl.pipeline import RULES, Settings
 
 
 def test_defaults() -> None:
@@ -39,11 +39,26 @@ def test_precedence(tmp_path: Path) -> None:
 
 
 def test_groups() -> None:
-    found = settings_from(assignments=["blur.radius=3", "shading.ambient=0.5", "alchemy.samples=9", "method.seed=4"])
+    found = settings_from(
+        assignments=["blur.radius=3", "shading.ambient=0.5", "alchemy.samples=9", "method.seed=4"], method_name="alchemy"
+    )
     assert found.blur == Joint(radius=3) and found.shading.ambient == 0.5
     assert found.method.samples == 9 and found.method.seed == 4  # type: ignore[attr-defined]
     assert settings_from(blur_name="none").blur is None
     assert settings_from(assignments=["blur_joint.radius = 5"]).blur == Joint(radius=5)
+
+
+def test_presets() -> None:
+    assert settings_from(preset_name="medium") == Settings()
+    high = settings_from(preset_name="high", assignments=["steps=9"]).method
+    assert (high.scale, high.steps) == (1, 9)  # type: ignore[attr-defined]
+    assert settings_from({"preset": "high"}, preset_name="draft").method == settings_from(preset_name="draft").method
+    assert settings_from({"preset": "high", "bitmask": {"steps": 3}}).method.steps == 3  # type: ignore[attr-defined]
+
+
+def test_keep() -> None:
+    assert settings_from({"keep": ["background"]}) == settings_from(keep=["background"])
+    assert settings_from(keep=["all"]).keep == tuple(RULES)
 
 
 def test_blur_as_table_sets_the_default_filter() -> None:
@@ -65,19 +80,24 @@ def test_texts_become_numbers(text: str, value: float | None) -> None:
         ({"blur_name": "jont"}, "unknown blur 'jont'.*Did you mean 'joint'"),
         ({"assignments": ["radius"]}, "must be key=value"),
         ({"assignments": ["radus=1"]}, "no setting 'radus'.*Did you mean 'radius'"),
-        ({"assignments": ["lecture.radius=1"]}, "the method is alchemy, not lecture; add --method lecture"),
+        ({"assignments": ["lecture.radius=1"]}, "the method is bitmask, not lecture; add --method lecture"),
         ({"assignments": ["blu.radius=1"]}, "unknown group of settings 'blu'.*Did you mean 'blur'"),
         ({"assignments": ["blur.radius=1"], "blur_name": "none"}, "blur is 'none'"),
-        ({"assignments": ["samples=many"]}, "alchemy.samples='many': must be a whole number"),
-        ({"assignments": ["samples=9" + "9" * 500]}, "must be a finite whole number"),
-        ({"overrides": {"taps": 3}}, "--taps: alchemy has no such setting"),
-        ({"table": {"radius": 3}}, r"unknown setting 'radius'; groups are tables, like \[alchemy\]"),
+        ({"assignments": ["steps=many"]}, "bitmask.steps='many': must be a whole number"),
+        ({"assignments": ["steps=9" + "9" * 500]}, "must be a finite whole number"),
+        ({"overrides": {"taps": 3}}, "--taps: bitmask has no such setting"),
+        ({"table": {"radius": 3}}, r"unknown setting 'radius'; groups are tables, like \[bitmask\]"),
         ({"table": {"method": 3}}, "must be a name in quotes"),
-        ({"table": {"alchemy": {"radius": "far"}}}, "must be a number"),
-        ({"table": {"alchemy": {"radius": True}}}, "must be a finite number"),
-        ({"table": {"alchemy": {"radius": 10**400}}}, "must be a finite number"),
-        ({"table": {"alchemy": {"samples": 3.5}}}, "must be a finite whole number"),
+        ({"table": {"bitmask": {"radius": "far"}}}, "must be a number"),
+        ({"table": {"bitmask": {"radius": True}}}, "must be a finite number"),
+        ({"table": {"bitmask": {"radius": 10**400}}}, "must be a finite number"),
+        ({"table": {"bitmask": {"steps": 3.5}}}, "must be a finite whole number"),
         ({"table": {"shading": {"background": 3}}}, "must be text"),
+        ({"preset_name": "hihg"}, "bitmask has no preset 'hihg'.*Did you mean 'high'"),
+        ({"preset_name": "high", "method_name": "lecture"}, "lecture has no preset 'high'; it has "),
+        ({"assignments": ["scale=3"]}, "bitmask.scale=3: must be one of 1, 2, 4"),
+        ({"keep": ["sky"]}, "keep='sky': there is no such rule"),
+        ({"table": {"keep": "all"}}, "keep = 'all': must be a list of names"),
     ],
 )
 def test_errors(arguments: dict[str, Any], expected: str) -> None:

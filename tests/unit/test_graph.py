@@ -44,7 +44,7 @@ def test_an_output_keeps_its_slot_to_the_end() -> None:
 
 
 def test_a_depth_buffer_lives_for_its_pass_alone() -> None:
-    plan = compile([task("a", "", "a", "depth24"), task("b", "a", "b", "depth24")], FRAME, ["b"])
+    plan = compile([task("a", "", "a", "depth a"), task("b", "a", "b", "depth b")], FRAME, ["b"])
     assert plan.steps[0].depth_slot == plan.steps[1].depth_slot is not None
 
 
@@ -81,7 +81,7 @@ def test_a_plan_is_a_value_and_prints_itself() -> None:
     one, two = (plan_render(Settings(), FRAME) for _ in range(2))
     assert one == two
     text = one.describe()
-    assert "gbuffer" in text and "left out: z over far" in text and "MiB" in text
+    assert "gbuffer" in text and "left out: layer behind" in text and "MiB" in text
     assert plan_render(Settings(blur=None), FRAME).culled["blur"] == "switched off"
 
 
@@ -101,7 +101,7 @@ def graphs(draw: st.DrawFn) -> tuple[list[Pass], list[str]]:
     passes = []
     for i in range(count):
         reads = draw(st.lists(st.integers(0, i - 1), max_size=3)) if i else []
-        passes.append(task(f"p{i}", " ".join(f"r{j}" for j in reads), f"r{i}", draw(st.sampled_from([None, "depth24"]))))
+        passes.append(task(f"p{i}", " ".join(f"r{j}" for j in reads), f"r{i}", draw(st.sampled_from([None, f"depth{i}"]))))
     outputs = draw(st.lists(st.integers(0, count - 1), min_size=1, max_size=3, unique=True))
     return draw(st.permutations(passes)), [f"r{i}" for i in outputs]
 

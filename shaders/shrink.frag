@@ -1,0 +1,34 @@
+// A smaller image of depth and normals: of SCALE x SCALE pixels one is kept, the nearest and the farthest in turns like a
+// checkerboard, so that both sides of every edge are there. Background counts only where there is nothing else. Among
+// equals it is always the first: else the choice would hang on rounding.
+#needs es300
+#include "lib/view.glsl"
+uniform float u_edge;  // depths that differ by less, for each unit of w, are equal
+uniform sampler2D u_z;
+uniform sampler2D u_normal;
+layout(location = 0) out vec4 out_z;
+layout(location = 1) out vec4 out_normal;
+
+// Pixel number i below a fragment, as an offset from its corner.
+vec2 ssao_place(float i) { return vec2(mod(i, float(SCALE)), floor(i / float(SCALE))); }
+
+// The better of what was found so far, (depth, number), and pixel number i; those outside the image are none. farther is 1
+// where the farthest is wanted, -1 for the nearest.
+vec2 ssao_better(vec2 best, vec2 corner, float i, float farther) {
+    vec2 uv = (corner + ssao_place(i) + 0.5) * u_texel;
+    float z = uv.x < 1.0 && uv.y < 1.0 ? SAMPLE(u_z, uv).r : 0.0;
+    return z > 0.0 && (best.x <= 0.0 || (z - best.x) * farther > u_edge * ssao_w(z)) ? vec2(z, i) : best;
+}
+
+void main() {
+    vec2 fragment = floor(gl_FragCoord.xy);
+    vec2 corner = fragment * float(SCALE);
+    float farther = mod(fragment.x + fragment.y, 2.0) < 0.5 ? -1.0 : 1.0;
+    vec2 best = vec2(0.0);
+#repeat PIXELS best = ssao_better(best, corner, float(@), farther);
+    vec2 which = ssao_place(best.y);
+    uint bits = (floatBitsToUint(best.x) & 0xFFFFFFF0u) | uint(which.x) | uint(which.y) << 2u;
+    out_z = vec4(best.x > 0.0 ? uintBitsToFloat(bits) : 0.0);
+    out_normal = SAMPLE(u_normal, (corner + which + 0.5) * u_texel);
+    gl_FragDepth = best.x > 0.0 ? 0.0 : 1.0;
+}

@@ -1,0 +1,50 @@
+"""Occlusion at a smaller size: shrink depth and normals, bring visibility back to full size, mend what that misses."""
+
+from __future__ import annotations
+
+from ..gl.frame import Stage
+from ..graph import Pass, Test, Tex
+
+TODO = "todo"
+"""Depth buffer of the small image: 0 where there is something to shade."""
+MISSED = "missed"
+"""Depth buffer of the image: 0 where no small texel knows the pixel's surface."""
+
+EDGE = 0.05
+"""Pixels nearer or farther than this, in the size of a pixel, are told apart; less may be rounding."""
+
+
+def shrink(scale: int) -> Pass:
+    """``small z`` and ``small normal``: one pixel of each ``scale`` x ``scale``, and which of them there is to shade."""
+    defines = {"TARGETS": 2, "SCALE": scale, "PIXELS": scale * scale}
+
+    def draw(stage: Stage) -> None:
+        uniforms = {"u_edge": EDGE * stage.view.pixel}
+        stage.fullscreen("shrink.frag", uniforms, {"u_z": "z", "u_normal": "normal"}, defines=defines)
+
+    writes = {"small z": Tex("r32f", 1 / scale), "small normal": Tex("rg16f", 1 / scale)}
+    return Pass("shrink", ("z", "normal"), writes, draw, depth=TODO)
+
+
+def upsample(source: str, scale: int, tolerance: float, cover: Test | None, least: float) -> Pass:
+    """``visibility`` from ``source`` (packed, small); texels count in full up to ``tolerance`` of theirs off the tangent plane.
+
+    ``least`` above 0: ``upsampled`` instead, with a mask of the pixels whose texels together weigh less.
+    """
+    defines = {"PACKED": 1, **({"REFINE": 1} if least else {})}
+    samplers = {"u_packed": source, "u_z": "z", "u_normal": "normal"}
+
+    def draw(stage: Stage) -> None:
+        w, h = Tex("r32f", 1 / scale).size(stage.view.size)
+        uniforms = {
+            "u_small_texel": (1 / w, 1 / h),
+            "u_small_scale": float(scale),
+            "u_per_pixel": 1 / (tolerance * scale * stage.view.pixel),
+            **({"u_least": least} if least else {}),
+        }
+        stage.fullscreen("upsample.frag", uniforms, samplers, defines=defines)
+
+    reads = tuple(samplers.values())
+    if least:  # a pass that writes depth cannot be tested against another
+        return Pass("upsample", reads, {"upsampled": Tex("r8")}, draw, depth=MISSED, clear=(1.0,) * 4)
+    return Pass("upsample", reads, {"visibility": Tex("r8")}, draw, test=cover, clear=(1.0,) * 4)
