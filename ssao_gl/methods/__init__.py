@@ -77,7 +77,7 @@ def register(method: AnyMethod) -> AnyMethod:
 @cache
 def registry() -> Mapping[str, type]:
     """Every method by name: ours first, then those of installed packages."""
-    from . import alchemy, bitmask, lecture, reference  # noqa: F401
+    from . import alchemy, bitmask, crytek, gtao, hbao, lecture, reference, sao, starcraft2, volumetric  # noqa: F401
 
     for entry in importlib.metadata.entry_points(group="ssao_gl.methods"):
         register(entry.load())

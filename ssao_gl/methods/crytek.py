@@ -1,0 +1,60 @@
+"""The first screen-space ambient occlusion: points of a sphere against the depth buffer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..ball import ball, planes
+from ..settings import setting, validate
+from ..sources import Define
+from ..view import View
+from . import Deviation, register, taps
+
+
+@register
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Crytek:
+    """Crytek's SSAO: the share of the points of a sphere that the depth buffer does not hide, ``A = (1/N) sum [z_q >= z_s]``.
+
+    Points ``s = p + R reflect(s_i, m)`` fill the sphere, each pixel reflecting them at another plane m of a 4x4 tile. Points
+    outside the image, or hidden by something far before p (from one radius on, wholly from two), count 1/2, as on a
+    plane. Mittring, "Finding Next Gen: CryEngine 2", SIGGRAPH 2007 course; range check after Kajalin, "Screen-Space
+    Ambient Occlusion", ShaderX7, 2009.
+
+    What that means: half of the sphere round a point on a plane lies behind it, so flat walls are grey, 1/2, and edges
+    shine. ``doubled`` gives ``min(1, 2 A)``, as later games did: then planes are open but for the noise of the samples.
+    """
+
+    name: ClassVar[str] = "crytek"
+    shader: ClassVar[str] = "methods/crytek.frag"
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z"}
+    exceptions: ClassVar[Mapping[str, Deviation]] = {
+        "plane": Deviation(
+            0.78, "half of the sphere round a point lies behind its plane; near the border its nearer part is not in the image"
+        ),
+        "radius": Deviation(0.55, "half of the sphere lies behind the surface however small it is"),
+    }
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {"raw": {"doubled": False}, "doubled": {"doubled": True}}
+
+    radius: float | None = taps.radius()
+    samples: int = setting(16, "points of the sphere", low=1, high=128)
+    doubled: bool = setting(False, "twice the visibility, clamped: a plane is open")
+    max_radius: float = taps.max_radius()
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    def defines(self) -> Mapping[str, Define]:
+        return {"SAMPLES": self.samples}
+
+    def uniforms(self, view: View) -> Mapping[str, Any]:
+        reach = taps.reach(self.radius, self.max_radius)
+        return {**reach, "u_points": ball(self.samples), "u_gain": 2.0 if self.doubled else 1.0}
+
+    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+        return {"u_planes": planes(taps.TILE)}

@@ -1,0 +1,61 @@
+"""Horizon-based ambient occlusion: how far horizons rise above the tangent plane."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..settings import setting, validate
+from ..sources import Define
+from ..view import View
+from . import Deviation, register, taps
+
+
+@register
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hbao:
+    """Horizon-based ambient occlusion: ``A = 1 - mean over directions of sum W(d) (sin h - sin h before)``.
+
+    Along each direction of the image the sum runs over the taps that raise the horizon, which starts at the tangent plane
+    plus ``bias``; ``h`` is the elevation above the plane at right angles to the line of sight, ``W = 1 - (d/R)^2``. All
+    elevations weigh the same (no cosine). Bavoil, Sainz, Dimitrov, "Image-Space Horizon-Based Ambient Occlusion", SIGGRAPH
+    2008 talks: 6 directions of 6 steps, turned and shifted by a 4x4 tile. Taps on texel centres are slid into their
+    direction along the surface, so that a plane stays a plane.
+    """
+
+    name: ClassVar[str] = "hbao"
+    shader: ClassVar[str] = "methods/hbao.frag"
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
+    exceptions: ClassVar[Mapping[str, Deviation]] = {}
+
+    radius: float | None = taps.radius()
+    directions: int = setting(6, "round each pixel", low=1, high=32)
+    steps: int = setting(6, "taps a direction", low=1, high=64)
+    bias: float = setting(
+        math.pi / 18, "above the tangent plane; hides that round shapes have facets", unit="radians", low=0, high=1.5
+    )
+    intensity: float = setting(1.0, "strength", low=0, high=16)
+    max_radius: float = taps.max_radius()
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    def defines(self) -> Mapping[str, Define]:
+        return {"DIRECTIONS": self.directions, "STEPS": self.steps}
+
+    def uniforms(self, view: View) -> Mapping[str, Any]:
+        angle = 2 * math.pi / self.directions
+        return {
+            **taps.reach(self.radius, self.max_radius),
+            "u_next": (math.cos(angle), math.sin(angle)),
+            "u_bias": (math.cos(self.bias), math.sin(self.bias)),
+            "u_strength": self.intensity / self.directions,
+        }
+
+    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+        return {"u_noise": taps.directions(2 * math.pi / self.directions)}

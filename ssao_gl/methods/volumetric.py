@@ -1,0 +1,52 @@
+"""Volumetric obscurance by line samples: how much of a sphere round the point is filled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..kernel import Kernel, Rotation
+from ..settings import setting, validate
+from ..sources import Define
+from ..view import View
+from . import Deviation, register, taps
+
+
+@register
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Volumetric:
+    """Volumetric obscurance: ``A = 1 - filled / whole``, summed over lines of sight through the upper half of a sphere.
+
+    A line at offset ``o`` from the sphere's middle lies in it over ``2 h = 2 sqrt(R^2 - o^2)``; of that counts what lies above
+    the tangent plane, and is filled what lies behind the depth buffer there. Lines come in pairs, opposite each other; one
+    of which nothing is known (outside the image, or hidden by something more than a radius before the point) takes after
+    its partner. Loos and Sloan, "Volumetric Obscurance", I3D 2010, with the surface normal; of its 9 lines the middle one
+    is left out, which sees nothing but the point itself.
+    """
+
+    name: ClassVar[str] = "volumetric"
+    shader: ClassVar[str] = "methods/volumetric.frag"
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
+    exceptions: ClassVar[Mapping[str, Deviation]] = {}
+
+    radius: float | None = taps.radius()
+    pairs: int = setting(4, "pairs of lines a pixel", low=1, high=64)
+    max_radius: float = taps.max_radius()
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    def defines(self) -> Mapping[str, Define]:
+        return {"PAIRS": self.pairs}
+
+    def uniforms(self, view: View) -> Mapping[str, Any]:
+        points = Kernel(count=self.pairs).points().astype(np.float64)
+        half = np.sqrt(1 - (points**2).sum(1, keepdims=True))
+        return {**taps.reach(self.radius, self.max_radius), "u_lines": np.hstack([points, half]).astype(np.float32)}
+
+    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+        return {"u_rotation": Rotation(tile=taps.TILE).vectors()}
