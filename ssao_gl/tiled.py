@@ -23,7 +23,7 @@ from .picture import depth_span, shown, texts
 from .pipeline import Settings, plan_render
 from .renderer import Renderer
 from .scene import Scene
-from .tiles import Layout, Tile
+from .tiles import Layout, Tile, unguarded
 from .view import Size
 
 EXR_BYTES = 2 << 30
@@ -136,11 +136,17 @@ def _folder(job: Job) -> Iterator[None]:
 
 def _draw_tile(renderer: Renderer, job: Job, mosaic: Mosaic, tile: Tile) -> None:
     camera = tile.camera(job.camera, job.size)
-    picture = renderer.render(job.scene, camera, tile.outer.size, job.settings, aovs=job.aovs)
+    picture = renderer.render(job.scene, camera, tile.outer.size, unguarded(job.settings), aovs=job.aovs)
     kept = {name: tile.crop(array) for name, array in picture.arrays.items()}
     spent = mosaic.notes.get("seconds", 0.0) + picture.report["seconds"]
     plan = plan_render(job.settings, job.layout.outer, job.aovs)
-    mosaic.notes = {**picture.report, "size": list(job.size), "plan": plan.describe().splitlines(), "seconds": spent}
+    mosaic.notes = {
+        **picture.report,
+        "settings": job.settings.table(),
+        "size": list(job.size),
+        "plan": plan.describe().splitlines(),
+        "seconds": spent,
+    }
     mosaic.add(
         tile.inner,
         {name: array if job.keeps_values(name) else shown(name, array, job.bits) for name, array in kept.items()},

@@ -1,8 +1,9 @@
 """Pictures too large for one texture, cut into tiles: where they lie, how far they overlap, what each one's camera sees.
 
 Coordinates are OpenGL's: pixels from the lower left. A tile is drawn with a halo of the pixels that its own pixels look at,
-as far as the picture goes, so that what a tap or a filter finds beyond a tile's edge is what it finds in the whole picture.
-Everything starts at multiples of the noise tile (and of 16), so the pattern of the noise goes on from tile to tile.
+as far as the picture and what is drawn around it (the guard) go, so that what a tap or a filter finds beyond a tile's edge
+is what it finds in the whole picture. Everything starts at multiples of the noise tile (and of 16), so the pattern of the
+noise goes on from tile to tile.
 """
 
 from __future__ import annotations
@@ -84,6 +85,10 @@ class Layout:
     halo: int
     wanted: int
     """The halo that nothing would be lost with; ``halo`` is less where the reach is very long."""
+    guard: int = 0
+    """Pixels that are drawn around the picture."""
+    step: int = STEP
+    """What is drawn starts at multiples of it, from the corner of the guard."""
 
     @property
     def columns(self) -> int:
@@ -109,9 +114,13 @@ class Layout:
 
     def _cuts(self, axis: int) -> list[tuple[int, int, int, int]]:
         """Along one axis, for each tile: first and end pixel without and with the halo."""
-        whole, side, halo = self.size[axis], self.side[axis], self.halo
+        whole, side, guard = self.size[axis], self.side[axis], self.guard
+
+        def start(low: int) -> int:
+            return max((low - self.halo + guard) // self.step, 0) * self.step - guard
+
         ends = [(low, min(low + side, whole)) for low in range(0, whole, side)]
-        return [(low, high, max(low - halo, 0), min(high + halo, whole)) for low, high in ends]
+        return [(low, high, start(low), min(high + self.halo, whole + guard)) for low, high in ends]
 
     def describe(self) -> str:
         """In words, on one line."""
@@ -162,9 +171,9 @@ def layout(
         side = _own_side(settings, size, aovs, least, step, limit)
     else:
         side = (_up(tile, step), _up(tile, step))
-    made = Layout(size, side, least, wanted)
+    made = Layout(size, side, least, wanted, guard(settings.method, size) if looks else 0, step)
     if max(made.outer) > limit:
-        most = (limit - 2 * least) // step * step
+        most = (limit - 2 * least) // step * step - (step if made.guard % step else 0)
         raise SettingsError(
             f"--tile {tile}: with its halo a tile is {made.outer[0]}x{made.outer[1]} pixels, and this OpenGL draws at most"
             f" {limit} a side; use at most {most}"
@@ -175,8 +184,8 @@ def layout(
 def _own_side(settings: Settings, size: Size, aovs: Sequence[str], halo: int, step: int, limit: int) -> Size:
     """Tiles of equal size, as large as ``TILE_BYTES`` allows, though no narrower than their halo."""
     bytes_a_pixel = plan_render(settings, (1024, 1024), aovs).bytes / 1024**2
-    outer = min(math.isqrt(int(TILE_BYTES / bytes_a_pixel)), limit)
-    most = max(outer - 2 * halo, min(halo, limit - 2 * halo), SMALLEST, step) // step * step
+    outer, edges = min(math.isqrt(int(TILE_BYTES / bytes_a_pixel)), limit), 2 * halo + step
+    most = max(outer - edges, min(halo, limit - edges), SMALLEST, step) // step * step
     w, h = (_up(-(-side // -(-side // most)), step) for side in size)
     return w, h
 
@@ -186,10 +195,24 @@ def halo(scene: Scene, camera: Camera, size: Size, settings: Settings) -> int:
 
     At a lower resolution both are rounded to its pixels.
     """
-    taps = reach(settings.method, camera.view(size), nearest(scene, camera, size))
-    filtered = getattr(settings.blur, "radius", 0)
-    # Filters of two passes reach as far along each axis; beyond, the neighbours that upsampling and edges ask for.
-    return math.ceil(min(taps, 1e9)) + (2 * filtered + 4) * int(getattr(settings, "scale", 1))
+    method = settings.method
+    taps = reach(method, camera.view(size), nearest(scene, camera, size))
+    # A filter without a width of its own takes the half of the noise tile.
+    filtered = (getattr(settings.blur, "radius", 0) or getattr(method, "tile", STEP)) if settings.blur else 0
+    # Beyond both, the neighbours that upsampling and edges ask for.
+    return math.ceil(min(taps, 1e9)) + (2 * filtered + 4) * _scale(method)
+
+
+def guard(method: Method, size: Size) -> int:
+    """Pixels that a picture of ``size`` is drawn larger by on each side, so that taps see what lies beside it."""
+    return _up(math.ceil(getattr(method, "guard", 0.0) * size[1]), STEP)
+
+
+def unguarded(settings: Settings) -> Settings:
+    """The settings for a tile, whose halo is its guard."""
+    if not getattr(settings.method, "guard", 0.0):
+        return settings
+    return dataclasses.replace(settings, method=dataclasses.replace(settings.method, guard=0.0))  # type: ignore[type-var]
 
 
 def reach(method: Method, view: View, nearest: float) -> float:
@@ -233,7 +256,12 @@ def _slant(view: View) -> float:
 
 def _step(method: Method) -> int:
     """What tiles are multiples of: ``STEP``, and the period of the method's noise."""
-    return math.lcm(STEP, *(side for table in method.lookups().values() for side in table.shape[:2]))
+    return math.lcm(STEP, *(side * _scale(method) for table in method.lookups().values() for side in table.shape[:2]))
+
+
+def _scale(method: Method) -> int:
+    """Pixels along each side of one for which occlusion is drawn."""
+    return int(getattr(method, "scale", 1))
 
 
 def _up(value: int, step: int) -> int:

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ssao_gl as ao
@@ -23,6 +23,7 @@ SETTINGS = ao.Settings(method=ao.Alchemy(radius=0.5))
 VISIBILITY = ("visibility",)
 
 
+@settings(deadline=None)
 @given(st.tuples(*[st.integers(1, 700)] * 2), st.tuples(*[st.integers(1, 12)] * 2), st.integers(0, 10))
 def test_tiles_cover_the_picture_once_with_their_halos(size: tuple[int, int], side: tuple[int, int], halo: int) -> None:
     made = Layout(size, (16 * side[0], 16 * side[1]), 16 * halo, 16 * halo)
@@ -36,6 +37,20 @@ def test_tiles_cover_the_picture_once_with_their_halos(size: tuple[int, int], si
         assert b.w <= made.outer[0] and b.h <= made.outer[1]
     assert (count == 1).all()
     assert len(made.tiles()) == made.columns * made.rows == made.table()["count"]
+
+
+@settings(deadline=None)
+@given(st.integers(1, 300), st.integers(1, 10), st.integers(0, 10), st.integers(0, 5), st.sampled_from([16, 32, 48]))
+def test_a_guard_is_drawn_around_the_picture(size: int, side: int, halo: int, guard: int, step: int) -> None:
+    """And everything starts at multiples of the step from its corner, as in the whole picture."""
+    made = Layout((size, size), (step * side, step * side), step * halo, step * halo, 16 * guard, step)
+    for tile in made.tiles():
+        low, high = (
+            max(tile.inner.x - step * halo, -16 * guard),
+            min(tile.inner.x + tile.inner.w + step * halo, size + 16 * guard),
+        )
+        assert low - step < tile.outer.x <= low and (tile.outer.x + 16 * guard) % step == 0
+        assert tile.outer.x >= -16 * guard and tile.outer.x + tile.outer.w == high
 
 
 def test_tiles_come_from_the_top_and_crop_what_they_add() -> None:
