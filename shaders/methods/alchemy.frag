@@ -26,15 +26,16 @@ void main() {
     vec2 extent = (abs(disk[0]) + abs(disk[1])) * u_size;
     float share = min(1.0, u_max_radius / max(max(extent.x, extent.y), 1e-6));
     disk *= share;
-    float per_radius = 1.0 / max(u_radius * share, 1e-30);  // of the clamped disk: else nearer taps would weigh more
-    float bias = u_bias * ssao_w(z) * per_radius;
+    float reach = max(u_radius * share, 1e-30);  // of the clamped disk: else nearer taps would weigh more
+    float bias = u_bias * ssao_w(z) / reach;
     float sum = 0.0;
     float count = 0.0;
     for (int i = 0; i < SAMPLES; i++) {
         // On texel centres: depth is that of the centre, and a point off it would leave the surface.
         vec2 tap = (floor((uv + disk * reflect(u_samples[i], turn)) * u_size) + 0.5) * u_texel;
         float z_q = SAMPLE(u_z, tap).r;
-        vec3 v = (ssao_position(tap, z_q) - p) * per_radius;
+        // So many radii away nothing counts, and squares must not overflow.
+        vec3 v = clamp(ssao_position(tap, z_q) - p, -1e15 * reach, 1e15 * reach) / reach;
         float inside = tap == clamp(tap, vec2(0.0), vec2(1.0)) ? 1.0 : 0.0;
         // Background occludes nothing; a tap outside the image knows nothing and does not count.
         sum += z_q > 0.0 ? inside * max(0.0, dot(v, n) - bias) / (dot(v, v) + 1e-4) : 0.0;
