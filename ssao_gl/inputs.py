@@ -51,8 +51,8 @@ def radius_of(depth: NDArray[np.float32], camera: Camera, kind: str) -> float:
     """An automatic radius for a depth image: a share of the extent of the middle 96 % of its points."""
     if kind != "eye":
         raise SettingsError("radius: window depth needs a radius in scene units")
-    with np.errstate(invalid="ignore"):
-        points = camera.view(depth.shape[::-1]).points(depth)[np.isfinite(depth) & (depth > 0)]
+    usable = (depth > 2.0**-63) & (depth < 2.0**63)  # what linearize.frag takes for distances
+    points = camera.view(depth.shape[::-1]).points(np.where(usable, depth, 0))[usable]
     if not len(points):
         return 1.0
     low, high = np.percentile(points, (2, 98), axis=0)
