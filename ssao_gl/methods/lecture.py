@@ -36,6 +36,8 @@ class Lecture:
     samplers: ClassVar[Mapping[str, str]] = {"depth": "z_over_far", "normal": "normal"}
     exceptions: ClassVar[Mapping[str, Deviation]] = {
         "orthographic": Deviation(math.inf, "far-plane point times depth holds for a perspective only; it refuses others"),
+        "infinite far": Deviation(math.inf, "depth is z / far; it refuses a camera without a far plane"),
+        "pit": Deviation(1.0, "faces that are parallel do not occlude each other: the bottom of a pit is as bright as its rim"),
         "far plane": Deviation(0.25, "footprint and depth window are shares of the far distance"),
         "border": Deviation(0.5, "taps outside the image read its border"),
     }
