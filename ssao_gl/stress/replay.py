@@ -138,7 +138,7 @@ def replayed(renderer: Renderer, folder: Path) -> Row:
         else:
             shot = _read_shot(folder, content["shots"][0])
             case = _as_case(content["case"], shot)
-    except (KeyError, TypeError, IndexError) as error:
+    except (KeyError, TypeError, IndexError, AttributeError, ValueError) as error:
         raise FormatError(f"{folder / CASE}: not what ssao-gl stress writes ({type(error).__name__}: {error})") from None
     return judged(case, Lab(renderer, subject))[0]
 

@@ -64,14 +64,14 @@ class Subject:
 
 def subjects(methods: Sequence[str] = (), presets: Sequence[str] = (DEFAULT,)) -> list[Subject]:
     """Methods (all, or those named) times presets: ``default``, names, or ``all``. Raises SettingsError for unknown names."""
-    chosen = list(dict.fromkeys(methods)) or list(registry())
+    shipped = {name: method(name) for name in methods or registry()}
     found = [
-        Subject(name, preset, _affordable(assign(method(name), values)))
-        for name in chosen
+        Subject(name, preset, _affordable(assign(record, values)))
+        for name, record in shipped.items()
         for preset, values in {DEFAULT: {}, **_presets(name)}.items()
         if "all" in presets or preset in presets
     ]
-    known = dict.fromkeys(["all", DEFAULT, *(preset for name in chosen for preset in _presets(name))])
+    known = dict.fromkeys(["all", DEFAULT, *(preset for name in shipped for preset in _presets(name))])
     for preset in presets:
         if preset not in known:
             raise SettingsError(

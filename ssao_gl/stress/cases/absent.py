@@ -43,7 +43,7 @@ def _never(name: str, promise: str, trap: int, reason: str) -> None:
         raise NotApplicable(reason)
 
     measure.__doc__ = promise
-    case(name, GROUP, "nothing", 0.0, traps=(trap,), once=True)(measure)
+    case(name, GROUP, "nothing", 0.0, traps=(trap,), why=f"cannot occur: {reason}", once=True)(measure)
 
 
 _never("history-nan", "A NaN in the history is gone in the next frame", 29, "there is no history: every frame starts anew")

@@ -112,19 +112,19 @@ def order(lab: Lab) -> float:
 @case(
     "thin-wire",
     GROUP,
-    "mean difference from the closed form",
-    0.06,
+    "mean darkness beyond the closed form",
+    0.08,
     contract="thin",
     traps=(37,),
-    why="taps meet a wire one pixel wide by chance",
+    why="depth shows no back, and slabs are taken to be thicker than this wire; endless ones would take 0.1",
 )
 def wire(lab: Lab) -> float:
-    """A thin wire before a wall takes from the wall's light what it covers, r h / (x^2 + h^2), and casts no thick halo."""
-    r, h, away = 0.03, 0.3, 5.0
+    """A thin wire casts no halo: it takes no more of the light of the wall behind it than it covers, r h / (x^2 + h^2)."""
+    r, h, away = 0.06, 0.6, 5.0
     shaft = Draw(*cylinder(24), transforms=(place((1, 1, 1), (0, 0, -away + h)) @ np.diag([r, 20, r, 1.0]))[None])
     seen = lab.render(Scene([plane(away=away).draws[0], shaft]), lens(), radius=0.8, blur="joint")
     points = lens().view((seen.depth.shape[1], seen.depth.shape[0])).points(seen.depth)
     wall = np.abs(points[..., 2] + away) < 1e-3
     x = points[..., 0]
     expected = 1 - np.where(x**2 + h**2 < 0.8**2, r * h / (x**2 + h**2), 0)
-    return float(np.abs(seen.visibility - expected)[wall & (np.abs(x) < 0.8)].mean())
+    return float((expected - seen.visibility).clip(0)[wall & (np.abs(x) < 0.8)].mean())

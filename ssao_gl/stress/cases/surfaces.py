@@ -55,7 +55,7 @@ def turned(lab: Lab) -> float:
     return max(lab.render(plane(), lens(pose=pose)).darkest for pose in poses)
 
 
-@case("corner-is-darker", GROUP, "0.1 - (walls - corner)", 0.0)
+@case("corner-is-darker", GROUP, "0.1 - (walls - corner)", 0.0, why="an order is asked, no value")
 def dark_corner(lab: Lab) -> float:
     """A corner is darker than its walls by 0.1 at least."""
     columns = lab.render(corner(), lens(), blur="joint").visibility.mean(0)
