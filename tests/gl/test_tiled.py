@@ -140,9 +140,9 @@ def command(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pyt
 
 
 def test_the_command_line_writes_the_same_files(command: Any) -> None:
-    out = command("-o", "tiles", "--aov", ",".join(ALL), "--tile", 64, "--json", "tiles.json", "--radius", 0.3)
+    out = command("-o", "tiles", "--aov", ",".join(ALL), "--tile", 64, "--json", "tiles.json", "--method", "alchemy")
     assert out.startswith("tiles/ (10 files): ") and "160x100 in 3x2 tiles" in out
-    command("-o", "whole", "--aov", ",".join(ALL), "--radius", 0.3)
+    command("-o", "whole", "--aov", ",".join(ALL), "--method", "alchemy")
     report = json.loads(Path("tiles.json").read_text())
     assert report["tiles"]["count"] == 6 and report["tiles"]["side"] == [64, 64] and report["size"] == [160, 100]
     for name in ALL:
