@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -9,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernel import Kernel, Rotation
+from ..kernel import Kernel
 from ..settings import setting, validate
 from ..sources import Define
 from ..view import View
@@ -49,4 +50,4 @@ class Volumetric:
         return {**taps.reach(self.radius, self.max_radius), "u_lines": np.hstack([points, half]).astype(np.float32)}
 
     def lookups(self) -> Mapping[str, NDArray[np.float32]]:
-        return {"u_rotation": Rotation(tile=taps.TILE).vectors()}
+        return {"u_rotation": taps.directions(math.pi / 2)}  # reflected, pairs turn by half a circle: all there is

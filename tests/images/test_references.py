@@ -25,12 +25,13 @@ REFERENCES = Path(__file__).parent.parent / "references"
 FAILURES = Path(__file__).parent.parent / "_out"
 SIZE = (320, 180)
 
-CHEAPER = {"reference": {"slices": 8}}
-"""For methods that take minutes on the slower software renderers as they are."""
+CHANGED = {"reference": {"slices": 8}, "sao": {"intensity": 0.5}}
+"""For a method that takes minutes on the slower software renderers as it is, and for one whose creases are so black that what
+renderers differ by at the edges of triangles (1.0 % of the values by more than 2/255) would be all that the picture tests."""
 
 
 def method(name: str) -> Any:
-    return dataclasses.replace(ao.method(name), **CHEAPER.get(name, {}))
+    return dataclasses.replace(ao.method(name), **CHANGED.get(name, {}))
 
 
 CASES: dict[str, tuple[ao.Settings, str]] = {
