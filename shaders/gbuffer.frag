@@ -14,6 +14,9 @@ VARYING vec4 v_color;
 uniform sampler2D u_front;  // linear depth of the first layer
 uniform vec2 u_texel;
 #endif
+#ifdef LOG_DEPTH
+uniform vec2 u_log;  // 1 / near, 1 / log2(far / near)
+#endif
 uniform vec4 u_color;  // base colour, sRGB
 uniform vec3 u_light;  // unit vector to the light, view space
 
@@ -34,6 +37,9 @@ void main() {
 #ifdef BEHIND
     // Depth peeling (Everitt 2001): only what lies behind the first layer by more than its own rounding.
     if (-v_position.z <= SAMPLE(u_front, gl_FragCoord.xy * u_texel).r * (1.0 + 1e-5)) discard;
+#endif
+#ifdef LOG_DEPTH
+    gl_FragDepth = log2(max(-v_position.z * u_log.x, 1.0)) * u_log.y;
 #endif
 #ifdef DEPTH_TARGET
     out_z = vec4(-v_position.z);
