@@ -53,7 +53,8 @@ uint ssao_hidden(SsaoSweep w, vec2 offset, float z, float side, float thickness)
     // What counts by a share hides that share of its bits, always the same ones first: nearer occluders win.
     bits &= ssao_spread(ssao_rho(sqrt(distance2)));
 #endif
-    return z > 0.0 && distance2 < 1.0 && front.x * side > 0.0 ? bits : 0u;
+    // At the border a tap may be the pixel itself, whose depth in a smaller target is not the same to the last bits.
+    return z > 0.0 && distance2 < 1.0 && front.x * side > 0.0 && offset != vec2(0.0) ? bits : 0u;
 }
 
 uint ssao_texel(SsaoSweep w, vec2 way, float side, float thickness) {
