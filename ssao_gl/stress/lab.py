@@ -17,6 +17,7 @@ from ..renderer import Renderer
 from ..scene import Scene
 from ..view import Size
 from . import watch
+from .case import NotApplicable
 from .shot import Seen, Shot
 from .subject import Subject
 
@@ -52,28 +53,24 @@ class Lab:
         return self.see(Shot(camera, depth=np.asarray(depth), **options))
 
     def see(self, shot: Shot, renderer: Renderer | None = None) -> Seen:
-        """Draw a shot. Raises Broken when the picture breaks a promise, SettingsError when the method refuses the camera.
+        """Draw a shot, once to see whether all is finite and once as users get it.
 
-        A filter's result comes as it is before it is rounded to 8 bits (see :mod:`.watch`).
+        Raises Broken when the picture breaks a promise, SettingsError when the method refuses the camera, NotApplicable
+        when it cannot do without a scene.
         """
         if shot.size is None:
             shot = shot.but(size=self.size if shot.depth is None else shot.depth.shape[::-1])
         self.shots.append(shot)
         settings = self.subject.settings(shot)
-        bare = dataclasses.replace(settings, method=watch.finite(settings.method), blur=None)
-        finite = self._draw(renderer, shot, bare, ("visibility",)).visibility
-        if settings.blur is not None:
-            settings = dataclasses.replace(settings, blur=watch.unrounded(settings.blur))
+        if shot.scene is None and "z2" in settings.method.samplers.values():
+            raise NotApplicable("it needs a scene to draw two layers of, and a depth image has one")
+        watched = dataclasses.replace(settings, method=watch.finite(settings.method))
+        finite = self._draw(renderer, shot, watched, ("visibility",)).visibility
         picture = self._draw(renderer, shot, settings, ("visibility", "depth", "normal"))
-        visibility = picture.visibility * (255 if settings.blur else 1)
-        seen = Seen(visibility, picture.depth, picture.normal)
+        seen = Seen(picture.visibility, picture.depth, picture.normal)
         for what in _broken(seen, finite):
             raise Broken(what, shot)
         return seen
-
-    def rounded(self, shot: Shot) -> NDArray[np.float32]:
-        """Visibility (h, w) as users get it."""
-        return self._draw(None, shot, self.subject.settings(shot), ("visibility",)).visibility
 
     def _draw(self, renderer: Renderer | None, shot: Shot, settings: Settings, aovs: tuple[str, ...]) -> Picture:
         renderer = renderer or self.renderer
@@ -90,8 +87,8 @@ class Lab:
 def _broken(seen: Seen, finite: NDArray[np.float32]) -> list[str]:
     """What every picture promises, and this one does not keep."""
     promises: dict[str, NDArray[np.bool_]] = {
-        "the method computes NaN or infinity": finite < 1,
-        "visibility is not in 0..1": ~((seen.visibility >= 0) & (seen.visibility <= 1 + 1e-6)),
+        "method or filter compute NaN or infinity": finite < 1,
+        "visibility is not in 0..1": ~((seen.visibility >= 0) & (seen.visibility <= 1)),
         "background is not open": ~seen.surface & (seen.visibility != 1),
         "depth is negative or not finite": ~(np.isfinite(seen.depth) & (seen.depth >= 0)),
         "normals are not of unit length": seen.surface & ~(np.abs((seen.normal**2).sum(-1) - 1) < 1e-2),
