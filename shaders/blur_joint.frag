@@ -26,7 +26,7 @@ void main() {
     vec2 uv = gl_FragCoord.xy * u_target_texel;
     vec2 here = ssao_unpack(SAMPLE(u_packed, uv).r);
     vec3 n = ssao_decode_normal(SAMPLE(u_normal, uv).xy);
-    vec3 line = vec3(dot(n.xy, u_ray * (gl_FragCoord.xy * u_target_uv) + u_ray0) - n.z, dot(n.xy, u_ray * u_step), 0.0);
+    vec3 line = vec3(dot(n.xy, u_ray * (floor(gl_FragCoord.xy) * u_target_uv + 0.5 * u_texel) + u_ray0) - n.z, dot(n.xy, u_ray * u_step), 0.0);
 #ifndef PINHOLE
     line.z = dot(n.xy, u_org * u_step);
 #endif

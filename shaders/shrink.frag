@@ -1,9 +1,9 @@
-// A smaller image of depth and normals: of SCALE x SCALE pixels one is kept, the nearest and the farthest in turns like a
-// checkerboard, so that both sides of every edge are there. Background counts only where there is nothing else. Among
-// equals it is always the first: else the choice would hang on rounding.
+// A smaller image of depth and normals: of SCALE x SCALE pixels the first is kept, unless there is an edge of depth among them:
+// then the nearest and the farthest take turns like a checkerboard, so that both sides are there. Background counts only
+// where there is nothing else.
 #needs es300
 #include "lib/view.glsl"
-uniform float u_edge;  // depths that differ by less, for each unit of w, are equal
+uniform float u_edge;  // the depth that makes an edge, for each unit of w
 uniform sampler2D u_z;
 uniform sampler2D u_normal;
 layout(location = 0) out vec4 out_z;

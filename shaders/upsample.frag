@@ -1,6 +1,6 @@
-// Visibility of a smaller image at full size: the four nearest of its texels, by how near they are in the image and how well
-// they lie in the tangent plane of the pixel (after Kopf et al., "Joint Bilateral Upsampling", 2007). As in blur_joint.frag,
-// n . P is affine in the place times depth: (line.x + line.y i + line.z j) z for the texel i, j aside.
+// Visibility of a smaller image at full size: the four nearest of its texels, by how near they are in the image, how well they
+// lie in the tangent plane of the pixel, and how alike the normals are (after Kopf et al., "Joint Bilateral Upsampling",
+// 2007). As in blur_joint.frag, n . P is affine in the place times depth: (line.x + line.y i + line.z j) z for texel i, j.
 #needs es300
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
@@ -9,6 +9,7 @@
 uniform sampler2D u_packed;   // small: visibility and linear depth
 uniform sampler2D u_z;
 uniform sampler2D u_normal;
+uniform sampler2D u_small_normal;
 uniform vec2 u_small_texel;   // 1 / size of the small image
 uniform float u_small_scale;  // pixels along each side of one of its texels
 uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w = 1)
@@ -18,6 +19,7 @@ uniform float u_least;        // weight below which a pixel is left to be drawn 
 
 // What the four texels have in common: the plane (see above), and of what does not scale with depth.
 struct SsaoPlane {
+    vec2 normal;  // of the pixel, encoded
     vec2 corner;  // the lower left of the four
     vec3 line;
     vec3 still;
@@ -26,25 +28,29 @@ struct SsaoPlane {
 
 // A texel: (visibility, 1) by its weight. nearest is (visibility, distance off the plane) of the one that is least off.
 vec2 ssao_tap(SsaoPlane plane, vec2 q, float weight, inout vec2 nearest) {
-    vec2 tap = ssao_unpack(SAMPLE(u_packed, (plane.corner + q + 0.5) * u_small_texel).r);
+    vec2 place = (plane.corner + q + 0.5) * u_small_texel;
+    vec2 tap = ssao_unpack(SAMPLE(u_packed, place).r);
+    vec2 turn = SAMPLE(u_small_normal, place).xy - plane.normal;  // as encoded: about the angle, and cheap
     float off = abs(dot(plane.line, vec3(1.0, q)) * tap.y - plane.here);
 #ifndef PINHOLE
     off = abs(dot(plane.line, vec3(1.0, q)) * tap.y + dot(plane.still, vec3(1.0, q)) - plane.here);
 #endif
     off = tap.y > 0.0 ? off : 1e30;
     nearest = off < nearest.y ? vec2(tap.x, off) : nearest;
-    return vec2(tap.x, 1.0) * (clamp(2.0 - off, 0.0, 1.0) * weight);
+    return vec2(tap.x, 1.0) * (clamp(2.0 - off, 0.0, 1.0) * clamp(1.5 - 4.0 * dot(turn, turn), 0.0, 1.0) * weight);
 }
 
 void main() {
     vec2 uv = gl_FragCoord.xy * u_texel;
     float z = SAMPLE(u_z, uv).r;
-    vec3 n = ssao_decode_normal(SAMPLE(u_normal, uv).xy);
-    vec2 at = gl_FragCoord.xy / u_small_scale - 0.5;
+    vec2 normal = SAMPLE(u_normal, uv).xy;
+    vec3 n = ssao_decode_normal(normal);
+    vec2 at = floor(gl_FragCoord.xy) / u_small_scale;  // a texel lies where the first of its pixels lies
     vec2 f = fract(at);
-    vec2 step = u_small_scale * u_texel, first = (at - f + 0.5) * step;
+    vec2 step = u_small_scale * u_texel, first = (at - f) * step + 0.5 * u_texel;
     float per_unit = u_per_pixel / max(ssao_w(z), 1e-30);
     SsaoPlane plane;
+    plane.normal = normal;
     plane.corner = at - f;
     plane.line = per_unit * vec3(
         dot(n.xy, u_ray * first + u_ray0) - n.z, dot(n.xy, u_ray[0]) * step.x, dot(n.xy, u_ray[1]) * step.y);

@@ -76,6 +76,8 @@ class Step:
     size: tuple[int, int]
     scale: int
     """How many pixels of the frame a fragment stands for, along each side."""
+    final: bool
+    """Whether no other pass reads what it writes."""
     depth_slot: int | None
     """Of the depth buffer that it writes or is tested against."""
 
@@ -151,6 +153,7 @@ def compile(
     writer = _writers(passes, inputs)
     order = _walk(passes, writer, outputs, inputs)
     wanted = set(outputs).union(*(task.needs for task in order)) if order else set(outputs)
+    read = {name for task in order for name in task.needs}
     last = {name: index for index, task in enumerate(order) for name in task.needs}
     last.update(dict.fromkeys(outputs, len(order)))
 
@@ -181,7 +184,9 @@ def compile(
         if task.depth is not None:
             where[task.depth] = place(Slot(DEPTH, size))
         tested = task.depth or (task.test.name if task.test else None)
-        steps.append(Step(task, live, tuple(where[name] for name in live), size, scale, where[tested] if tested else None))
+        final = not any(name in read for name in live)
+        where_live = tuple(where[name] for name in live)
+        steps.append(Step(task, live, where_live, size, scale, final, where[tested] if tested else None))
         # Freed only after the writes were placed: a pass must never read the texture it draws into.
         over = set(task.over.values())
         done = [name for name in dict.fromkeys(task.needs) if last[name] == index and name in where and name not in over]

@@ -23,6 +23,9 @@ GL_COLOR, GL_DEPTH_TEST, GL_SCISSOR_TEST = 0x1800, 0x0B71, 0x0C11
 GL_LESS, GL_GREATER, GL_ALWAYS = 0x0201, 0x0204, 0x0207
 
 
+MARGIN = 8
+"""Pixels around the wanted part of an image in which intermediate passes draw too, so that filters have all their taps."""
+
 Rect = tuple[int, int, int, int]
 """x, y, width, height in pixels, from the lower left."""
 
@@ -121,8 +124,9 @@ class Tester:
             self._enable(GL_DEPTH_TEST)
             self._func(GL_GREATER if task.test else GL_ALWAYS)
         if self.inside and self._cut:
-            x, y, w, h = self.inside
-            x0, y0, x1, y1 = x // step.scale, y // step.scale, -(-(x + w) // step.scale), -(-(y + h) // step.scale)
+            (x, y, w, h), s = self.inside, step.scale
+            grow = 0 if step.final else MARGIN  # what later passes look at
+            x0, y0, x1, y1 = (x - grow) // s, (y - grow) // s, -(-(x + w + grow) // s), -(-(y + h + grow) // s)
             self._enable(GL_SCISSOR_TEST)
             self._scissor(x0, y0, x1 - x0, y1 - y0)
         return self

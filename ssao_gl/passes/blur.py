@@ -53,7 +53,7 @@ class Joint:
         0.0, "of a Gaussian in space; 0: flat, matched to a tile 2 radius wide", unit="pixels", low=0, high=16
     )
     tolerance: float = setting(
-        0.5, "distance off the tangent plane that still counts in full", unit="pixels", above=0, high=1000
+        0.35, "distance off the tangent plane that still counts in full", unit="pixels", above=0, high=1000
     )
 
     def __post_init__(self) -> None:

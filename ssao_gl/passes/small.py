@@ -10,8 +10,9 @@ TODO = "todo"
 MISSED = "missed"
 """Depth buffer of the image: 0 where no small texel knows the pixel's surface."""
 
-EDGE = 0.05
-"""Pixels nearer or farther than this, in the size of a pixel, are told apart; less may be rounding."""
+EDGE = 30.0
+"""Depths that differ by more, in the size of a pixel, are of two surfaces, which take turns. Elsewhere the same pixel is kept
+everywhere: an even grid is what interpolation is exact on."""
 
 
 def shrink(scale: int) -> Pass:
@@ -32,7 +33,7 @@ def upsample(source: str, scale: int, tolerance: float, cover: Test | None, leas
     ``least`` above 0: ``upsampled`` instead, with a mask of the pixels whose texels together weigh less.
     """
     defines = {"PACKED": 1, **({"REFINE": 1} if least else {})}
-    samplers = {"u_packed": source, "u_z": "z", "u_normal": "normal"}
+    samplers = {"u_packed": source, "u_z": "z", "u_normal": "normal", "u_small_normal": "small normal"}
 
     def draw(stage: Stage) -> None:
         w, h = Tex("r32f", 1 / scale).size(stage.view.size)
