@@ -15,6 +15,9 @@ vec2 ssao_middle(vec2 uv) { return (floor(uv * u_size) + 0.5) * u_texel; }
 
 bool ssao_inside(vec2 uv) { return uv == clamp(uv, vec2(0.0), vec2(1.0)); }
 
+// From p to what is seen at uv with linear depth z, in units of the reach; cut off beyond it, where squares could overflow.
+vec3 ssao_offset(vec2 uv, float z, vec3 p, float reach) { return clamp((ssao_position(uv, z) - p) / reach, -2.0, 2.0); }
+
 // Where the point p is seen, near uv; outside the image when it lies behind the viewer.
 vec2 ssao_project(vec3 p, vec2 uv) {
     float w = ssao_w(-p.z);

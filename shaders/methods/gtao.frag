@@ -30,7 +30,7 @@ struct SsaoSweep {
 float ssao_raise(float horizon, SsaoSweep w, vec2 pixel, float side) {
     vec2 tap = (floor(pixel) + 0.5) * u_texel;
     float z = SAMPLE(u_z, tap).r;
-    vec3 d = (ssao_position(tap, z) - w.p) / w.reach;
+    vec3 d = ssao_offset(tap, z, w.p, w.reach);
     vec2 front = ssao_into_slice(w.slice, d, w.v);
     float height = front.y * inversesqrt(max(dot(front, front), 1e-30));
     float weight = clamp((1.0 - length(vec3(d.xy, d.z * u_thin))) * u_per_falloff, 0.0, 1.0);
@@ -55,8 +55,8 @@ float ssao_arc(SsaoSlice s, float c, float side) {
     return 0.5 * (max(s.normal.y, 0.0) * sin2 + side * s.normal.x * (h - c * sqrt(sin2)));
 }
 
-// Visibility in the slice of direction turn.
-float ssao_sweep(vec3 p, vec3 v, vec3 n, vec2 turn, float noise, float slice, float reach) {
+// Visibility in the slice of direction turn, and what it is without occluders.
+vec2 ssao_sweep(vec3 p, vec3 v, vec3 n, vec2 turn, float noise, float slice, float reach) {
     vec3 along = ssao_along(v, turn);
     vec2 texels = ssao_texels(p, along) * (reach / ssao_w(-p.z));
     float pixels = max(length(texels), 1e-6);
@@ -66,7 +66,8 @@ float ssao_sweep(vec3 p, vec3 v, vec3 n, vec2 turn, float noise, float slice, fl
 #repeat STEPS horizon = ssao_step(horizon, w, float(@), slice);
     float weight = mix(length(vec2(dot(n, along), dot(n, v))), 1.0, u_lift);
     float fade = 0.5 * clamp((10.0 - pixels) * 0.01, 0.0, 1.0);
-    return weight * (ssao_arc(s, horizon.x, 1.0) + ssao_arc(s, horizon.y, -1.0)) + fade;
+    float arcs = ssao_arc(s, horizon.x, 1.0) + ssao_arc(s, horizon.y, -1.0);
+    return vec2(weight * arcs + fade * s.weight, s.weight);
 }
 
 void main() {
@@ -79,8 +80,8 @@ void main() {
     float reach = ssao_reach(-p.z);
     mat2 next = mat2(u_next_slice, -u_next_slice.y, u_next_slice.x);
     vec2 turn = noise.xy;
-    float sum = 0.0;
+    vec2 sum = vec2(0.0);
 #repeat SLICES sum += ssao_sweep(p, v, n, turn, noise.z, float(@), reach); turn = next * turn;
     // In XeGTAO no pixel is quite black.
-    ssao_write(max(0.03, pow(max(sum / float(SLICES), 1e-6), u_power)), z);
+    ssao_write(max(0.03, pow(max(sum.x / max(sum.y, 1e-6), 1e-6), u_power)), z);
 }

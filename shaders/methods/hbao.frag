@@ -16,7 +16,7 @@ uniform float u_strength;   // of a direction
 vec2 ssao_raise(vec2 horizon, SsaoSlice s, vec3 p, vec3 v, float reach, vec2 way) {
     vec2 tap = (floor(gl_FragCoord.xy + way) + 0.5) * u_texel;
     float z = SAMPLE(u_z, tap).r;
-    vec3 d = (ssao_position(tap, z) - p) / reach;
+    vec3 d = ssao_offset(tap, z, p, reach);
     vec2 front = ssao_into_slice(s, d, v);
     float height = front.y * inversesqrt(max(dot(front, front), 1e-30));
     float weight = 1.0 - dot(d, d);

@@ -16,7 +16,7 @@ vec2 ssao_tap(vec2 uv, vec3 p, vec3 n, float reach) {
     vec2 tap = ssao_middle(uv);
     if (!ssao_inside(tap)) return vec2(0.0);
     float z = SAMPLE(u_z, tap).r;
-    vec3 v = (ssao_position(tap, z) - p) / reach;
+    vec3 v = ssao_offset(tap, z, p, reach);
     float vv = dot(v, v);
     float f = max(1.0 - vv, 0.0);
     return vec2(z > 0.0 ? f * f * f * max(dot(v, n) - u_bias, 0.0) / (vv + 0.01) : 0.0, 1.0);

@@ -14,12 +14,14 @@ uniform vec3 u_lines[PAIRS];  // offset in the unit disk, and half the line's le
 vec2 ssao_line(vec2 uv, float h, vec3 p, vec4 n, float reach) {
     vec2 tap = ssao_middle(uv);
     float z = SAMPLE(u_z, tap).r;
-    vec3 v = (ssao_position(tap, z > 0.0 ? z : -p.z) - p) / reach;
+    // Two radii before or behind the middle stand for all that is farther: the tangent plane is met by the same ray.
+    float depth = clamp(z > 0.0 ? z : 3e38, -p.z - 2.0 * reach, -p.z + 2.0 * reach);
+    vec3 v = (ssao_position(tap, depth) - p) / reach;
     // Normals are stored in half floats: a plane must not rise above itself by their rounding.
     float above = (dot(v, n.xyz) - 1e-3 * length(v)) * n.w;
     float plane = clamp(v.z - above, -h, h);
-    float surface = z > 0.0 ? clamp(v.z, -h, h) : -h;
-    bool hidden = z > 0.0 && min(v.z, above) > 1.0;
+    float surface = clamp(v.z, -h, h);
+    bool hidden = min(v.z, above) > 1.0;
     return ssao_inside(tap) && !hidden ? vec2(max(surface - plane, 0.0), h - plane) : vec2(0.0, -1.0);
 }
 
