@@ -100,6 +100,7 @@ def eight_bits(lab: Lab) -> float:
     GROUP,
     "1 - mean visibility",
     0.3,
+    contract="convex",
     traps=(14,),
     why="a coarse ball with smooth normals shades itself a little at its rim",
 )
