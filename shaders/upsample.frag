@@ -35,7 +35,7 @@ vec2 ssao_tap(SsaoPlane plane, vec2 q, float weight, inout vec2 nearest) {
 #ifndef PINHOLE
     off = abs(dot(plane.line, vec3(1.0, q)) * tap.y + dot(plane.still, vec3(1.0, q)) - plane.here);
 #endif
-    off = tap.y > 0.0 ? off : 1e30;
+    off = tap.y > 0.0 ? min(off, 1e30) : 2e30;  // background, which has no visibility, never stands in
     nearest = off < nearest.y ? vec2(tap.x, off) : nearest;
     return vec2(tap.x, 1.0) * (clamp(2.0 - off, 0.0, 1.0) * clamp(1.5 - 4.0 * dot(turn, turn), 0.0, 1.0) * weight);
 }
