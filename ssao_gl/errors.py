@@ -51,6 +51,12 @@ class SceneError(SsaoError):
     """A scene or camera cannot be read or drawn."""
 
 
+def one_line(text: object, limit: int = 300) -> str:
+    """What a file or a library says, fit for a message: one line, printable, at most ``limit`` characters."""
+    line = "".join(c if c.isprintable() else "?" for c in " ".join(str(text).split()))
+    return line if len(line) <= limit else line[: limit - 4] + " ..."
+
+
 def near_miss(name: str, known: Iterable[str]) -> str:
     """``" Did you mean 'x'?"`` when something like ``name`` is known, else ``""``."""
     close = get_close_matches(name, list(known), 1, 0.5)

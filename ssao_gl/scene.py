@@ -134,7 +134,7 @@ class Scene:
         direction = math.cos(elevation) * level + math.sin(elevation) * up
         center = self.bounds.mean(0)
         half = max(self.extent / 2, 1e-30)
-        pose = look_at(center + direction, center, up)
+        pose = look_at(direction, (0, 0, 0), up)  # about the origin: far from it, a unit is less than a float can tell
         # The distance at which every corner of the box is inside the frustum.
         low, high = self.bounds
         corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])

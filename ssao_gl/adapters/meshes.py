@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..camera import Camera, Perspective
-from ..errors import SceneError
+from ..errors import SceneError, one_line
 from ..files import unreadable
-from ..images import PICTURES
 from ..normals import crease_normals, weld
 from ..scene import Draw, Scene
+from . import textures
 
 if TYPE_CHECKING:
     import trimesh
@@ -55,11 +55,13 @@ def load(path: Path | str, *, crease: float = CREASE, up: str = "auto") -> Scene
         with _quiet():
             scene = _read(path, crease, up)
     except SceneError as error:
-        raise SceneError(f"{path}: {error}") from error
+        raise SceneError(f"{path}: {one_line(error, 500)}") from error
     except (KeyboardInterrupt, SystemExit):
         raise
+    except MemoryError as error:
+        raise SceneError(f"{path}: needs more memory than there is") from error
     except BaseException as error:  # the readers raise whatever a broken file leads them into
-        brief = " ".join(str(error).split())[:200] or "its data contradict each other"
+        brief = one_line(error, 200) or "its data contradict each other"
         raise SceneError(
             f"{path}: not a readable mesh file ({type(error).__name__}: {brief}); is it truncated or broken?"
         ) from error
@@ -71,15 +73,12 @@ def load(path: Path | str, *, crease: float = CREASE, up: str = "auto") -> Scene
 def _read(path: Path, crease: float, up: str) -> Scene:
     from . import mesh_files
 
-    kind, known = mesh_files.kind_of(path.name), mesh_files.formats()
-    if kind not in known:
-        raise SceneError(f"unknown mesh format '.{kind}'; this trimesh reads {', '.join(known)}")
     loaded = mesh_files.read(path)
     soup = loaded.kind not in mesh_files.GLTF
     scene = from_trimesh(loaded.scene, crease=crease, up=_up(up, loaded.kind), name=path.name, weld_vertices=soup)
     if loaded.missing:
         names = ", ".join(repr(name) for name in dict.fromkeys(loaded.missing))
-        LOG.warning("%s: drawn without %s, which is not in its folder", path, names[:300])
+        LOG.warning("%s: drawn without %s, which is not in its folder", path, one_line(names))
     return dataclasses.replace(scene, cameras=loaded.cameras or scene.cameras)
 
 
@@ -105,11 +104,13 @@ def from_trimesh(
     for node in source.graph.nodes_geometry:
         matrix, geometry = source.graph.get(node)
         places.setdefault(str(geometry), []).append(np.asarray(matrix, np.float64))
-    draws = []
-    for key, transforms in places.items():
+    meshes = {}
+    for key in places:
         geometry = source.geometry.get(key)
         if isinstance(geometry, trimesh.Trimesh) and len(geometry.faces):
-            draws.append(_draw(geometry, np.stack(transforms), key, crease, weld_vertices))
+            meshes[key] = geometry
+    sampled = textures.sample(meshes)
+    draws = [_draw(mesh, np.stack(places[key]), key, crease, weld_vertices, sampled.get(key)) for key, mesh in meshes.items()]
     if not draws:
         kinds = sorted({type(geometry).__name__ for geometry in source.geometry.values()} - {"Trimesh"})
         raise SceneError("holds no triangles" + (f", only {', '.join(kinds)}" if kinds else ""))
@@ -120,7 +121,14 @@ def from_trimesh(
     return scene
 
 
-def _draw(mesh: trimesh.Trimesh, transforms: NDArray[np.float64], name: str, crease: float, soup: bool) -> Draw:
+def _draw(
+    mesh: trimesh.Trimesh,
+    transforms: NDArray[np.float64],
+    name: str,
+    crease: float,
+    soup: bool,
+    sampled: NDArray[np.uint8] | None,
+) -> Draw:
     vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
     low, high = int(faces.min()), int(faces.max())
     if low < 0 or high >= len(vertices):
@@ -129,7 +137,7 @@ def _draw(mesh: trimesh.Trimesh, transforms: NDArray[np.float64], name: str, cre
         )
     positions, transforms = _centered(_finite(vertices, faces, name), transforms, name)
     triangles = faces.astype(np.uint32)
-    color, vertex_colors = _colors(mesh, name)
+    color, vertex_colors = _colors(mesh, sampled)
     normals = None
     if "vertex_normals" in mesh._cache:  # read from the file, not computed by trimesh
         normals = np.asarray(mesh.vertex_normals, np.float32)
@@ -185,8 +193,8 @@ def _check_span(what: str, box: NDArray[np.float64]) -> None:
         raise SceneError(f"{what} is {span:g} units large; it must be {SPAN[0]:g} to {SPAN[1]:g}: scale it")
 
 
-def _colors(mesh: Any, name: str) -> tuple[tuple[float, float, float], NDArray[np.uint8] | None]:
-    """(base colour, vertex colours) in sRGB. A texture is sampled at the vertices. Faces' own colours come later."""
+def _colors(mesh: Any, sampled: NDArray[np.uint8] | None) -> tuple[tuple[float, float, float], NDArray[np.uint8] | None]:
+    """(base colour, vertex colours) in sRGB. ``sampled``: its texture's at the vertices. Faces' own colours come later."""
     visual, white = mesh.visual, (1.0, 1.0, 1.0)
     if visual is None or not visual.defined:
         return DEFAULT_COLOR, None
@@ -203,8 +211,6 @@ def _colors(mesh: Any, name: str) -> tuple[tuple[float, float, float], NDArray[n
     elif (main := getattr(material, "main_color", None)) is not None:
         r, g, b = (float(c) / 255 for c in main[:3])
         color = (r, g, b)
-    image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
-    sampled = None if image is None else _sampled(visual, image, len(mesh.vertices), name)
     if sampled is not None:
         return (color if factor is not None else white), sampled
     colors = visual.vertex_attributes.get("color")
@@ -213,19 +219,6 @@ def _colors(mesh: Any, name: str) -> tuple[tuple[float, float, float], NDArray[n
 
         return color, np.asarray(to_rgba(colors), np.uint8)
     return color, None
-
-
-def _sampled(visual: Any, image: Any, count: int, name: str) -> NDArray[np.uint8] | None:
-    """The colours of a texture at the vertices; None, and a warning, when it cannot be used."""
-    if visual.uv is None or len(visual.uv) != count:
-        return None
-    try:
-        if image.format not in (None, *PICTURES):
-            raise ValueError(f"{image.format} pictures are not read")
-        return np.asarray(visual.to_color().vertex_colors, np.uint8)
-    except Exception as error:
-        LOG.warning("mesh '%s': drawn without its texture (%s)", name, error)
-        return None
 
 
 def _face_means(colors: NDArray[np.uint8], triangles: NDArray[np.uint32], count: int) -> NDArray[np.uint8]:
@@ -252,7 +245,7 @@ def _cameras(source: Any) -> list[Camera]:
         lens = Perspective(math.radians(float(camera.fov[1])), max(float(camera.z_near), 1e-9), far)
         return [Camera(lens, np.asarray(source.camera_transform, np.float64), camera.name or "file")]
     except Exception as error:
-        LOG.warning("the file's camera is unusable: %s", error)
+        LOG.warning("the file's camera is unusable: %s", one_line(error))
         return []
 
 

@@ -124,7 +124,7 @@ def test_nested_transforms(tmp_path: Path) -> None:
 )
 @settings(max_examples=30, deadline=None)
 def test_any_transform(rotation: list[float], scale: list[float], translation: list[float]) -> None:
-    from ssao_gl.adapters.gltf import local
+    from ssao_gl.adapters.gltf_nodes import local
 
     x, y, z, w = rotation
     expected = trimesh.transformations.translation_matrix(translation)

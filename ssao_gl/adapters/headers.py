@@ -1,0 +1,120 @@
+"""What a mesh file claims, checked before trimesh believes it: counts against sizes, parts against sensible numbers.
+
+Each check takes a file and its size, raises SceneError, and gives the file as trimesh should read it.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Mapping
+from typing import BinaryIO
+
+from ..errors import SceneError
+
+MAX_HEADER = 1 << 20
+MAX_PROPERTIES = 1000
+"""Of a PLY file, over all elements; trimesh looks at all lists for each of them."""
+MAX_MATERIALS = 4000
+
+SIGNATURES: tuple[tuple[bytes, str, frozenset[str]], ...] = (
+    (b"\x89PNG\r\n", "a PNG picture", frozenset()),
+    (b"\xff\xd8\xff", "a JPEG picture", frozenset()),
+    (b"%PDF", "a PDF document", frozenset()),
+    (b"<!DOCTYPE html", "a web page", frozenset()),
+    (b"<html", "a web page", frozenset()),
+    (b"version https://git-lfs", "a Git LFS pointer (git lfs pull fetches the file)", frozenset()),
+    (b"\x1f\x8b", "packed by gzip", frozenset({"tar.gz"})),
+    (b"PK\x03\x04", "a ZIP archive", frozenset({"zip", "3mf", "zae"})),
+    (b"glTF", "a GLB file", frozenset({"glb"})),
+    (b"ply\n", "a PLY file", frozenset({"ply"})),
+    (b"ply\r", "a PLY file", frozenset({"ply"})),
+)
+"""How files begin that are often misnamed: the bytes, what it is, and the formats that may begin so."""
+
+
+def check_signature(head: bytes, kind: str) -> None:
+    """Raises SceneError when a file begins as one of another format does."""
+    for begin, what, kinds in SIGNATURES:
+        if head.lower().startswith(begin.lower()) and kind not in kinds:
+            raise SceneError(f"is not a .{kind} file but {what}")
+
+
+def check_stl(file: BinaryIO, size: int) -> BinaryIO:
+    """Binary STL is 84 bytes and 50 a triangle; anything else must be text, which begins with 'solid'."""
+    head = file.read(84)
+    file.seek(0)
+    expected = 84 + 50 * int.from_bytes(head[80:84], "little")
+    if size != expected and not head.lstrip().lower().startswith(b"solid"):
+        told = f"announces {(expected - 84) // 50} triangles, {expected} bytes," if len(head) == 84 else "is too short:"
+        raise SceneError(f"{told} but has {size} bytes; it is truncated or broken")
+    if size == expected:
+        return file
+    # One solid of all: trimesh takes quadratic time to name them.
+    return io.BytesIO(b"solid\n" + re.sub(rb"(?im)^[ \t]*(end)?solid.*$", b"", _text(file)) + b"\nendsolid\n")
+
+
+def check_obj(file: BinaryIO, size: int) -> BinaryIO:
+    """Likewise for parts of different materials, which cannot be put together."""
+    text = _text(file).replace(b"\r\n", b"\n").replace(b"\\\n", b"")
+    materials = {name.strip() for name in re.findall(rb"usemtl ([^\n]*)", text)}
+    if len(materials) > MAX_MATERIALS:
+        raise SceneError(f"has {len(materials)} materials; at most {MAX_MATERIALS} can be read in sensible time")
+    return io.BytesIO(text)
+
+
+def check_text(file: BinaryIO, size: int) -> BinaryIO:
+    """In an encoding that needs no guessing."""
+    return io.BytesIO(_text(file))
+
+
+def _text(file: BinaryIO) -> bytes:
+    """As UTF-8. Numbers and words are ASCII; what the others are matters little, but must not be guessed from statistics."""
+    data = file.read()
+    try:
+        data.decode()
+    except UnicodeDecodeError:
+        wide = data[:2] in (b"\xff\xfe", b"\xfe\xff")
+        return data.decode("utf-16" if wide else "latin-1", "replace").encode()
+    return data
+
+
+def check_ply(file: BinaryIO, size: int) -> BinaryIO:
+    """Elements that a header announces must fit into the bytes after it, lists being empty."""
+    head = file.read(MAX_HEADER)
+    file.seek(0)
+    end = head.find(b"end_header")
+    if not head.startswith(b"ply") or end < 0:
+        raise SceneError("has no complete PLY header ('ply' ... 'end_header'); it is truncated or broken")
+    text = b"format ascii" in head[:end]
+    left = size - head.find(b"\n", end) - 1
+    needed, count, properties, name = 0, 0, 0, ""
+    for line in head[:end].decode("utf-8", "replace").splitlines():
+        words = line.split()
+        if words[:1] == ["element"]:
+            name, count = words[1], int(words[2])
+        elif words[:1] == ["property"]:
+            properties += 1
+            needed += count * (2 if text else PLY_BYTES[words[2] if words[1] == "list" else words[1]])
+        if count < 0 or needed > left + 1:  # the last line may lack its end
+            raise SceneError(f"announces {count} of '{name}', more than its {left} bytes can hold; it is truncated or broken")
+    if properties > MAX_PROPERTIES:
+        raise SceneError(f"has {properties} properties; at most {MAX_PROPERTIES} can be read in sensible time")
+    return file
+
+
+PLY_BYTES = {
+    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
+    **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
+    **dict.fromkeys(("int", "uint", "float", "int32", "uint32", "float32"), 4),
+    **dict.fromkeys(("double", "int64", "uint64", "float64", "long", "ulong"), 8),
+}
+CHECKS: Mapping[str, Callable[[BinaryIO, int], BinaryIO]] = {
+    "stl": check_stl,
+    "stl_ascii": check_stl,
+    "ply": check_ply,
+    "obj": check_obj,
+    "off": check_text,
+    "xyz": check_text,
+}
+"""By format."""
