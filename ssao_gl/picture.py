@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import images
 from .errors import FormatError
-from .files import make_folder, written
+from .files import claimed, make_folder, written
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +61,11 @@ class Picture:
             raise FormatError(f"cannot write {path}: suffix '{path.suffix}'; use {', '.join(images.SUFFIXES)}, or a folder")
         make_folder(path)
         done = []
-        for name, array in self.arrays.items():
-            images.save(path / f"{name}.npy", array)
-            images.save(path / f"{name}.png", self.as_png(name, bits), texts=self.texts)
-            done += [path / f"{name}.npy", path / f"{name}.png"]
+        with claimed(path):
+            for name, array in self.arrays.items():
+                images.save(path / f"{name}.npy", array)
+                images.save(path / f"{name}.png", self.as_png(name, bits), texts=self.texts)
+                done += [path / f"{name}.npy", path / f"{name}.png"]
         return done
 
     def as_png(self, name: str, bits: int = 8) -> NDArray[Any]:

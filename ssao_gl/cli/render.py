@@ -14,7 +14,7 @@ from cyclopts import Parameter
 from .. import images
 from ..camera import Camera
 from ..errors import FormatError, SettingsError
-from ..files import make_folder
+from ..files import claimed, make_folder
 from ..picture import Picture, save_animation
 from ..pipeline import AOVS, Settings
 from ..renderer import Renderer
@@ -142,9 +142,9 @@ def _turn(
         say(f"{output}: {count} frames")
         return
     make_folder(output)
-    for index, picture in enumerate(shown):
-        folder = output if len(aovs) == 1 else output / f"{index:04d}"
-        picture.save(folder / f"{index:04d}.png" if len(aovs) == 1 else folder)
+    with claimed(output):
+        for index, picture in enumerate(shown):
+            picture.save(output / (f"{index:04d}.png" if len(aovs) == 1 else f"{index:04d}"))
     say(f"{output}/: {count} frames")
 
 
