@@ -38,16 +38,25 @@ struct SsaoSweep {
 #endif
 };
 
+// What rises more steeply from tap to tap (to the viewer, over aside) is taken for the edge of something, not for a slope.
+const float SSAO_STEEP = 3.0;
+
 // The bits that a surface hides, offset pixels aside at depth z: within the radius, and behind it as far as the slab is thick.
-uint ssao_hidden(SsaoSweep w, vec2 offset, float z, float side, float thickness) {
+// A slope goes on beyond its last tap, on average half way to the next one: ahead times what it rose from the tap before.
+uint ssao_hidden(SsaoSweep w, vec2 offset, float z, float side, float thickness, float ahead, inout vec2 last) {
     vec2 front = w.to_xy * offset * z + w.to_z * (z - w.z);
 #ifndef PINHOLE
     front += w.to_xy0 * offset;
 #endif
+    vec2 rise = front - last;
+    last = front;
+    float distance2 = dot(front, front), height = dot(front, w.slice.normal);
+    // What hides nothing itself (below the middle of the outermost bit, see lib/slice.glsl) does not begin to by going on.
+    bool slope = height * abs(height) > distance2 / 32.0 && abs(rise.y) < SSAO_STEEP * side * rise.x;
+    bool rises = side * (front.x * rise.y - front.y * rise.x) > 0.0;
     // Over one radius all rays of sight are as good as parallel: the slab reaches straight away from the viewer.
-    float near = ssao_u(w.slice, front, side);
+    float near = ssao_u(w.slice, slope && rises ? front + ahead * rise : front, side);
     float far = ssao_u(w.slice, front - vec2(0.0, thickness), side);
-    float distance2 = dot(front, front);
     uint bits = side > 0.0 ? ssao_bits(near, far) : ssao_bits(far, near);
 #ifdef FALLOFF
     // What counts by a share hides that share of its bits, always the same ones first: nearer occluders win.
@@ -57,23 +66,24 @@ uint ssao_hidden(SsaoSweep w, vec2 offset, float z, float side, float thickness)
     return z > 0.0 && distance2 < 1.0 && front.x * side > 0.0 && offset != vec2(0.0) ? bits : 0u;
 }
 
-uint ssao_texel(SsaoSweep w, vec2 way, float side, float thickness) {
+uint ssao_texel(SsaoSweep w, vec2 way, float side, float thickness, float ahead, inout vec4 last) {
     vec2 offset = floor(w.at + way) + 0.5 - w.at;
     vec2 tap = (w.at + offset) * u_texel;
-    uint hidden = ssao_hidden(w, offset, SAMPLE(u_z, tap).r * u_per_radius, side, thickness);
+    uint hidden = ssao_hidden(w, offset, SAMPLE(u_z, tap).r * u_per_radius, side, thickness, ahead, last.xy);
 #ifdef SECOND_LAYER
-    hidden |= ssao_hidden(w, offset, SAMPLE(u_z2, tap).r * u_per_radius, side, thickness);
+    hidden |= ssao_hidden(w, offset, SAMPLE(u_z2, tap).r * u_per_radius, side, thickness, ahead, last.zw);
 #endif
     return hidden;
 }
 
 // Step k to both sides. Taps crowd near the pixel (power 3/2); a slab is thicker where the next tap is farther away.
-uint ssao_step(SsaoSweep w, float k) {
-    vec2 q = (vec2(k, k + 1.0) + w.offset) / float(STEPS);
-    vec2 t = q * sqrt(q);
-    float thickness = u_thickness.x + u_thickness.y * (t.y - t.x);
-    vec2 r = min(w.reach * t.x + 1.0, w.room);
-    return ssao_texel(w, w.way * r.x, 1.0, thickness) | ssao_texel(w, -w.way * r.y, -1.0, thickness);
+uint ssao_step(SsaoSweep w, float k, inout vec4 plus, inout vec4 minus) {
+    vec3 q = max(vec3(k - 1.0, k, k + 1.0) + w.offset, 0.0) / float(STEPS);
+    vec3 t = q * sqrt(q);
+    float thickness = u_thickness.x + u_thickness.y * (t.z - t.y);
+    vec2 r = min(w.reach * t.y + 1.0, w.room);
+    float ahead = 0.5 * (t.z - t.y) / (t.y - t.x);
+    return ssao_texel(w, w.way * r.x, 1.0, thickness, ahead, plus) | ssao_texel(w, -w.way * r.y, -1.0, thickness, ahead, minus);
 }
 
 // Pixels from at along way to the border of the image, from the centre of the last texel.
@@ -105,8 +115,9 @@ vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
     right = u_org[0] * u_texel.x * u_per_radius, up = u_org[1] * u_texel.y * u_per_radius;
     w.to_xy0 = mat2(ssao_into_slice(w.slice, vec3(right, 0.0), v), ssao_into_slice(w.slice, vec3(up, 0.0), v));
 #endif
+    vec4 plus = vec4(0.0), minus = vec4(0.0);
     uint bits = 0u;
-#repeat STEPS bits |= ssao_step(w, float(@));
+#repeat STEPS bits |= ssao_step(w, float(@), plus, minus);
     return vec2(1.0 - ssao_count(bits) / 32.0, 1.0) * w.slice.weight;
 }
 
