@@ -20,6 +20,7 @@ EGL_EXTENSIONS, EGL_DRAW, EGL_READ = 0x3055, 0x3059, 0x305A
 EGL_PLATFORM_SURFACELESS, EGL_PLATFORM_DEVICE = 0x31DD, 0x313F
 EGL_PLATFORM_ANGLE, EGL_PLATFORM_ANGLE_TYPE, EGL_PLATFORM_ANGLE_NATIVE_PLATFORM_TYPE = 0x3202, 0x3203, 0x348F
 EGL_PLATFORM_ANGLE_TYPE_VULKAN = 0x3450
+GL_VERSION = 0x1F02
 
 Display = int
 """An ``EGLDisplay`` handle."""
@@ -172,10 +173,13 @@ def _open_on(egl: Egl, platform: str, display: Display, back: Callable[[], None]
     current = egl.function("eglMakeCurrent", U, P, P, P, P)
 
     which = egl.function("eglGetCurrentContext", P)
+    get_string = egl.extension("glGetString", S, U)
 
     def make_current() -> Callable[[], None]:
         back = _way_back(egl, context)
         bind(EGL_OPENGL_ES_API if es else EGL_OPENGL_API)
+        if which() == context and get_string and not get_string(GL_VERSION):  # OSMesa took it away, and EGL did not notice
+            current(display, None, None, None)
         if which() != context and not current(display, surface, surface, context):
             raise OSError(f"eglMakeCurrent failed, {egl.error()}")
         return back

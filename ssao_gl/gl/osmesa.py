@@ -36,17 +36,25 @@ def open_context() -> EglContext:
     current = function("OSMesaMakeCurrent", ctypes.c_ubyte, P, P, I, I, I)
     address = function("OSMesaGetProcAddress", P, S)
 
+    which = function("OSMesaGetCurrentContext", P)
+
+    def leave() -> None:
+        # OSMesa does not tell enough of another context to go back to it. But none may stay current in place of one of
+        # EGL's: Mesa's libraries share what is current, and EGL would not notice.
+        current(None, None, 0, 0, 0)
+
     def make_current() -> Callable[[], None]:
+        back = (lambda: None) if which() == context else leave
         if not current(context, pixels, GL_UNSIGNED_BYTE, 16, 16):
             raise OSError("OSMesaMakeCurrent failed")
-        return lambda: None  # OSMesa does not tell enough of another context to go back to it
+        return back
 
     def release() -> None:
-        current(None, None, 0, 0, 0)
+        leave()
         function("OSMesaDestroyContext", None, P)(context)
 
     make_current()
-    return EglContext("off-screen", lambda name: address(name.encode()) or 0, make_current, release, lambda: None)
+    return EglContext("off-screen", lambda name: address(name.encode()) or 0, make_current, release, leave)
 
 
 def _library() -> ctypes.CDLL:

@@ -76,3 +76,28 @@ def test_any_context_of_an_api() -> None:
             other = {"es": "gl", "gl": "es"}[ctx.api]
         with pytest.raises(ao.ContextError, match=f"gives .*, not {other}"):
             ao.gl.open(name, api=other)  # type: ignore[arg-type]
+
+
+def test_renderers_of_all_libraries_take_turns() -> None:
+    """OSMesa and EGL share what is current, and neither notices what the other one does to it."""
+    settings = [ao.Settings(method=ao.Alchemy(radius=radius)) for radius in (0.5, 1.0)]
+    depth = np.linspace(2, 6, 12 * 16, dtype=np.float32).reshape(12, 16)
+    depth[3:8, 4:9] -= 0.8
+
+    def drawn(renderer: ao.Renderer) -> np.ndarray:
+        return np.stack([renderer.apply(depth, CAMERA, settings=s, checked=True).visibility for s in settings])
+
+    alone = {}
+    for name in openable():
+        with ao.Renderer(name) as renderer:
+            alone[name] = drawn(renderer)
+    renderers = [ao.Renderer(name) for name in openable()]
+    try:
+        for turn in (*renderers, *reversed(renderers)):
+            np.testing.assert_array_equal(drawn(turn), alone[turn.ctx.provider])
+        renderers.pop(0).release()
+        for turn in (*renderers, *reversed(renderers)):
+            np.testing.assert_array_equal(drawn(turn), alone[turn.ctx.provider])
+    finally:
+        for renderer in renderers:
+            renderer.release()
