@@ -42,20 +42,18 @@ class Subject:
         return contract in self.exceptions and math.isinf(self.exceptions[contract].bound)
 
     @property
+    def units(self) -> dict[str, str]:
+        """Unit of each of the method's settings."""
+        return {field.name: limits(field).unit for field in dataclasses.fields(self.method)}  # type: ignore[arg-type]
+
+    @property
     def radius_is_a_length(self) -> bool:
         """Whether the radius is in scene units, as it is for methods that know of them."""
-        return any(
-            field.name == "radius" and limits(field).unit == "scene units"
-            for field in dataclasses.fields(self.method)  # type: ignore[arg-type]
-        )
-
-    def has(self, setting: str) -> bool:
-        """Whether the method has a setting of that name."""
-        return any(field.name == setting for field in dataclasses.fields(self.method))  # type: ignore[arg-type]
+        return self.units.get("radius") == "scene units"
 
     def settings(self, shot: Shot) -> Settings:
         """Settings for a shot: its filter, and as much of its radius and changes as the method has."""
-        changes = {name: value for name, value in shot.changes.items() if self.has(name)}
+        changes = {name: value for name, value in shot.changes.items() if name in self.units}
         if self.radius_is_a_length:
             changes["radius"] = shot.radius
         record: Any = dataclasses.replace(self.method, **changes)  # type: ignore[type-var]

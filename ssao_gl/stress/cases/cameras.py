@@ -29,19 +29,21 @@ def parallel_plane(lab: Lab) -> float:
 @case(
     "orthographic",
     GROUP,
-    "mean difference",
+    "mean difference over columns",
     0.01,
     contract="orthographic",
     asks=("orthographic",),
     traps=(34,),
-    why="a ray of sight may still turn by 0.3 degrees",
+    why="rays of sight still turn by up to 0.3 degrees",
 )
 def parallel(lab: Lab) -> float:
     """A parallel projection looks as a narrow perspective from afar, but for a bias that grows with distance."""
     height, away = 5.0, 500.0
     narrow = Camera.perspective(2 * math.atan(height / 2 / (5 + away)), 1.0, 1000.0, place((1, 1, 1), (0, 0, away)))
     flat_on = Camera.orthographic(height, 0.0, 40.0)
-    return apart(*(lab.render(corner(), camera, changes={"bias": 0.0}).visibility for camera in (narrow, flat_on)))
+    plain = {"bias": 0.0} if "distance" in lab.subject.units.get("bias", "") else {}
+    seen = [lab.render(corner(), camera, changes=plain).visibility for camera in (narrow, flat_on)]
+    return apart(*(one.mean(0) for one in seen))  # rows differ in noise alone
 
 
 @case("oblique-parallel", GROUP, DARKEST, contract="plane", asks=("orthographic",), traps=(34, 35))
