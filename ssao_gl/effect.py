@@ -97,6 +97,7 @@ class Effect:
         key = (self.size, depth_kind, normal is not None, output)
         given = {"depth": depth, "color": color, "normal_xyz": normal}
         with ExitStack() as stack:
+            stack.enter_context(self._ctx.refusals())
             stack.enter_context(self._guest)
             inputs = {name: self._texture(name, image) for name, image in given.items() if image is not None}
             targets = {}

@@ -11,7 +11,7 @@ from typing import Literal
 
 import moderngl
 
-from ..errors import ContextError
+from ..errors import ContextError, one_line
 from .loader import Functions, GetProc, Loader
 from .state import GlState
 
@@ -63,9 +63,18 @@ class Context:
         """Within the block this context is current; after it, whichever other one was before."""
         back = self.make_current()
         try:
-            yield
+            with self.refusals():
+                yield
         finally:
             back()
+
+    @contextmanager
+    def refusals(self) -> Iterator[None]:
+        """Within the block, what OpenGL refuses to make raises ContextError."""
+        try:
+            yield
+        except moderngl.Error as error:
+            raise ContextError(f"{self.renderer} ({self.provider}): {one_line(error)}") from error
 
     @property
     def software(self) -> bool:

@@ -79,12 +79,15 @@ class SceneOnGpu:
         self.camera: Camera | None = None
         self._kit = kit
         self._owned: list[Any] = []
-        self._center = scene.bounds.mean(0)
-        self._draws = [self._upload(draw) for draw in scene.draws if len(draw.triangles) and len(draw.transforms)]
         self._arrays: dict[Any, moderngl.VertexArray] = {}
+        self._center = scene.bounds.mean(0)
+        try:
+            self._draws = [self._upload(draw) for draw in scene.draws if len(draw.triangles) and len(draw.transforms)]
+        except BaseException:
+            self.release()
+            raise
 
     def _upload(self, draw: Draw) -> tuple[Draw, dict[str, tuple[Any, str]], Any]:
-        mgl = self._kit.ctx.mgl
         count = len(draw.positions)
         # Vertices about the middle of the mesh, transforms about the middle of the scene: differences of large
         # coordinates are taken here, in 64-bit.
@@ -93,19 +96,22 @@ class SceneOnGpu:
         place[:, :3, 3] += place[:, :3, :3] @ middle - self._center
         buffers: dict[str, tuple[Any, str]] = {
             "a_position": (self._fill(count, 12, lambda s: (draw.positions[s] - middle).astype("f4")), "3f"),
-            "a_model": (mgl.buffer(np.ascontiguousarray(place.transpose(0, 2, 1), "f4")), "16f/i"),
+            "a_model": (self._buffer(np.ascontiguousarray(place.transpose(0, 2, 1), "f4")), "16f/i"),
         }
         if draw.normals is not None:
             normals = draw.normals
             buffers["a_normal"] = (self._fill(count, 8, lambda s: _snorm16(normals[s])), "4i2")
         if draw.vertex_colors is not None:
-            buffers["a_color"] = (mgl.buffer(np.ascontiguousarray(draw.vertex_colors)), "4f1")
-        index = mgl.buffer(np.ascontiguousarray(draw.triangles))
-        self._owned += [index, *(buffer for buffer, _ in buffers.values() if buffer not in self._owned)]
-        return draw, buffers, index
+            buffers["a_color"] = (self._buffer(np.ascontiguousarray(draw.vertex_colors)), "4f1")
+        return draw, buffers, self._buffer(np.ascontiguousarray(draw.triangles))
+
+    def _buffer(self, data: NDArray[Any] | None = None, *, reserve: int = 0) -> moderngl.Buffer:
+        made = self._kit.ctx.mgl.buffer(data, reserve=reserve)
+        self._owned.append(made)
+        return made
 
     def _fill(self, count: int, stride: int, part: Any) -> moderngl.Buffer:
-        buffer = self._kit.ctx.mgl.buffer(reserve=max(count * stride, 1))
+        buffer = self._buffer(reserve=max(count * stride, 1))
         for start in range(0, count, CHUNK):
             buffer.write(np.ascontiguousarray(part(slice(start, start + CHUNK))), offset=start * stride)
         return buffer

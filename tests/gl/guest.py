@@ -198,8 +198,8 @@ def framebuffer(ctx: Context, attachments: int, size: tuple[int, int] = (8, 8)) 
     return name
 
 
-def alive(ctx: Context) -> dict[str, int]:
-    """How many GL objects of each kind there are, among the names that drivers hand out first."""
+def alive(ctx: Context, names: int = 400) -> dict[str, int]:
+    """How many GL objects of each kind there are, among the first ``names`` names: drivers count up from 1."""
     kinds = ["Texture", "Buffer", "Framebuffer", "Renderbuffer", "Program", "Shader", "Sampler", "VertexArray", "Query"]
-    gl = ctx.functions
-    return {kind: sum(bool(gl(f"glIs{kind}", B, U)(name)) for name in range(1, 400)) for kind in kinds}
+    exists = {kind: ctx.functions(f"glIs{kind}", B, U) for kind in kinds}
+    return {kind: sum(bool(test(name)) for name in range(1, names)) for kind, test in exists.items()}
