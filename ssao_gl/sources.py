@@ -92,6 +92,8 @@ def _read(name: str) -> str:
         return path.read_text("utf-8")
     except OSError as error:
         raise ShaderError(f"cannot read the shader file {path}: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise ShaderError(f"the shader file {path} is not UTF-8 text (byte {error.start})") from None
 
 
 def _expand(name: str, defines: Mapping[str, Define], seen: set[str], out: list[tuple[str, str, int]]) -> None:

@@ -40,11 +40,14 @@ class Context:
     """Makes current again what was before :func:`ssao_gl.gl.open`, if anything was."""
     version: str = field(init=False)
     renderer: str = field(init=False)
+    max_size: int = field(init=False)
+    """Largest width or height of a texture, in pixels. Asked here, where the context is current."""
     released: bool = field(init=False, default=False)
 
     def __post_init__(self) -> None:
         self.version = self.functions.string(GL_VERSION)
         self.renderer = self.functions.string(GL_RENDERER)
+        self.max_size = self.functions.integers(GL_MAX_TEXTURE_SIZE)[0]
 
     def __enter__(self) -> Context:
         return self
@@ -90,11 +93,6 @@ class Context:
     def dialect(self) -> str:
         """The shader dialect that this context compiles."""
         return "es300" if self.api == "es" else "gl330"
-
-    @property
-    def max_size(self) -> int:
-        """Largest width or height of a texture, in pixels."""
-        return self.functions.integers(GL_MAX_TEXTURE_SIZE)[0]
 
     def extensions(self) -> frozenset[str]:
         """Names of all extensions."""
