@@ -8,6 +8,12 @@ uniform sampler2D u_z;
 uniform sampler2D u_normal;
 layout(location = 0) out vec4 out_z;
 layout(location = 1) out vec4 out_normal;
+#ifdef OPEN
+#include "lib/output.glsl"
+uniform sampler2D u_open;
+uniform vec2 u_per_block;  // blocks for each pixel, as uv of their image
+layout(location = 2) out vec4 out_raw;  // open where nothing is to be drawn
+#endif
 
 // Pixel number i below a fragment, as an offset from its corner.
 vec2 ssao_place(float i) { return vec2(mod(i, float(SCALE)), floor(i / float(SCALE))); }
@@ -31,4 +37,8 @@ void main() {
     out_z = vec4(best.x > 0.0 ? uintBitsToFloat(bits) : 0.0);
     out_normal = SAMPLE(u_normal, (corner + which + 0.5) * u_texel);
     gl_FragDepth = best.x > 0.0 ? 0.0 : 1.0;
+#ifdef OPEN
+    out_raw = vec4(ssao_pack(1.0, best.x));
+    if (best.x > 0.0 && SAMPLE(u_open, (corner + 0.5) * u_per_block).r > 0.5) gl_FragDepth = gl_FragCoord.z;
+#endif
 }

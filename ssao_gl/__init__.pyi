@@ -7,6 +7,7 @@ from .errors import ContextError, FormatError, GraphError, SceneError, SettingsE
 from .kernel import Kernel, Rotation
 from .methods import method, register, registry
 from .methods.alchemy import Alchemy
+from .methods.bitmask import Bitmask
 from .methods.lecture import Lecture
 from .passes.blur import Joint, LectureBlur, Separable
 from .picture import Picture
@@ -16,6 +17,7 @@ from .scene import Draw, Scene
 
 __all__ = [
     "Alchemy",
+    "Bitmask",
     "Camera",
     "ContextError",
     "Difference",

@@ -14,7 +14,7 @@ from typing import Any
 
 from .errors import GraphError, near_miss
 
-BYTES = {"r8": 1, "rgba8": 4, "rg16f": 4, "r32f": 4, "depth24": 4}
+BYTES = {"r8": 1, "rgba8": 4, "rg16f": 4, "r32f": 4, "rgba32f": 16, "depth24": 4}
 """Bytes a pixel of each texture format; ``depth24`` is a depth buffer, which passes are tested against but never sample."""
 
 DEPTH = "depth24"
@@ -37,11 +37,12 @@ class Test:
     """Which pixels a full-screen pass draws: those nearer than its triangle in the depth buffer ``name``.
 
     ``far``: the triangle lies at the far plane, so that what a scene covers is drawn. Else it lies half way, for depth
-    buffers that a pass wrote as a mask: 0 draws, 1 leaves out.
+    buffers that a pass wrote as a mask: 0 draws, 1 leaves out; ``equal``: what lies half way itself is drawn too.
     """
 
     name: str
     far: bool = False
+    equal: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +59,8 @@ class Pass:
     over: Mapping[str, str] = field(default_factory=dict)
     """Written name -> the resource it is drawn on top of, whose texture it takes over."""
     clear: tuple[float, ...] | None = None
-    """What a tested pass leaves where it does not draw, in targets that are not drawn over."""
+    """What it leaves where it does not draw, in targets that are not drawn over; passes that say so draw only where there is
+    something, in the part of the image that is wanted."""
 
     @property
     def needs(self) -> tuple[str, ...]:

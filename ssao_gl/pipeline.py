@@ -14,7 +14,7 @@ from .errors import SettingsError, near_miss
 from .graph import Pass, Plan, Test, compile
 from .methods import Method, method
 from .methods.bitmask import Bitmask
-from .passes import screen, small
+from .passes import screen, skip, small
 from .passes.blur import Blur, Joint
 from .settings import setting, validate
 from .view import Size
@@ -24,7 +24,11 @@ AOVS = ("image", "visibility", "depth", "normal", "color")
 
 GUARD_STEP = 16
 
-RULES: Mapping[str, str] = {"background": "pixels that show nothing are not shaded"}
+RULES: Mapping[str, str] = {
+    "background": "pixels that show nothing are not shaded",
+    "open": "blocks of pixels above whose tangent planes nothing stands within the radius are 1 without a tap",
+    "adaptive": "blocks whose probe sees nothing get no taps, for methods that are set to be adaptive",
+}
 """What is left out where a scene does not need it, by the name that keeps it in."""
 
 RESOURCES: Mapping[str, str] = {
@@ -126,26 +130,73 @@ def guard(settings: Settings, camera: Camera, size: Size) -> int:
     return math.ceil(getattr(settings.method, "guard", 0.0) * height / GUARD_STEP) * GUARD_STEP
 
 
-def _after_gbuffer(settings: Settings, background: Test) -> list[Pass]:
-    method, blur, scale = settings.method, settings.blur, small_scale(settings)
-    cover = None if "background" in settings.keep else background
+@dataclass(frozen=True, slots=True)
+class Leaving:
+    """How a plan finds what need not be shaded.
+
+    background: it is left out. cover: the depth test at full size that does so, None without. blocks: passes that find open
+    blocks; none when nobody looks for them, for the reason ``why``.
+    """
+
+    background: bool
+    cover: Test | None
+    blocks: tuple[Pass, ...]
+    why: str
+
+
+def leaving(settings: Settings, cover: Test | None, size: Size, triangles: int | None, *, flat_normals: bool) -> Leaving:
+    """What is left out. ``triangles`` of a scene that surrounds the camera; ``flat_normals``: normals are those that depth shows."""
+    method, keep = settings.method, settings.keep
+    background = "background" not in keep
+    cover = cover if background else None
+    if getattr(method, "adaptive", False) and "adaptive" not in keep:
+        return Leaving(background, cover, (screen.probe(method, skip.PROBE, skip.BLOCK), skip.probed_blocks()), "")
+    taps = getattr(method, "slices", 1) * getattr(method, "steps", 0) / small_scale(settings) ** 2
+    why = ""
+    if not getattr(method, "open_is_exact", False):
+        why = f"{method.name} may darken what nothing stands above"
+    elif "open" in keep:
+        why = "switched off"
+    elif not flat_normals:
+        why = "normals are not those of the surface that depth shows"
+    elif taps < skip.STEPS:
+        why = f"{taps:g} taps a pixel and side cost less than looking for blocks to leave out"
+    elif triangles is None:
+        why = "the scene does not surround the camera (or is not known): most of what is open is background"
+    elif triangles * skip.TRIANGLE > size[0] * size[1]:
+        why = f"with {triangles:,} triangles in {size[0]}x{size[1]} pixels few blocks are flat"
+    return Leaving(background, cover, () if why else (skip.bounds(), skip.open_blocks(method.radius, method.max_radius)), why)  # type: ignore[attr-defined]
+
+
+def _after_gbuffer(settings: Settings, left: Leaving) -> list[Pass]:
+    """All passes to ``visibility``."""
+    method, blur, scale, cover = settings.method, settings.blur, small_scale(settings), left.cover
     tile = getattr(method, "tile", 4)
+    over = skip.UNTOUCHED if left.blocks else None
     if scale == 1:
-        occlusion = screen.occlusion(method, packed=blur is not None, test=cover)
-        return [screen.over_far(), occlusion, *(blur.passes(tile, cover) if blur else [])]
-    todo, least = Test(small.TODO), getattr(method, "refine", 0.0)
+        packed = blur is not None
+        return [
+            screen.over_far(),
+            *left.blocks,
+            *([skip.todo(packed=packed)] if over else []),
+            screen.occlusion(method, packed=packed, test=Test(skip.TODO) if over else cover, over=over),
+            *(blur.passes(tile, cover) if blur else []),
+        ]
+    least = getattr(method, "refine", 0.0)
     tolerance = blur.tolerance if isinstance(blur, Joint) else Joint().tolerance
+    todo, seen = (Test(skip.TODO, equal=equal) if left.background or over else None for equal in (False, over is not None))
     return [
-        small.shrink(scale),
-        screen.occlusion(method, packed=True, scale=scale, test=todo),
-        *(blur.small_passes(tile, scale, todo) if isinstance(blur, Joint) else []),
+        *left.blocks,
+        small.shrink(scale, open_blocks=over is not None),
+        screen.occlusion(method, packed=True, scale=scale, test=todo, over=over),
+        *(blur.small_passes(tile, scale, seen if left.background else None) if isinstance(blur, Joint) else []),
         small.upsample("small visibility" if blur else "raw", scale, tolerance, cover, least),
         *([screen.refine(method, small.MISSED)] if least else []),
     ]
 
 
-def _notes(settings: Settings) -> dict[str, str]:
-    return {} if settings.blur else {"blur": "switched off"}
+def _notes(settings: Settings, left: Leaving) -> dict[str, str]:
+    return ({} if settings.blur else {"blur": "switched off"}) | ({"open blocks": left.why} if left.why else {})
 
 
 def resources(aovs: Sequence[str]) -> list[str]:
@@ -158,17 +209,19 @@ def resources(aovs: Sequence[str]) -> list[str]:
     return list(dict.fromkeys([*wanted, *(["z"] if "normal" in aovs else [])]))
 
 
-def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)) -> Plan:
-    """The plan that draws a scene."""
+def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",), *, triangles: int | None = None) -> Plan:
+    """The plan that draws a scene. ``triangles``: how many it has, if it surrounds the camera; None if not."""
     from .passes.gbuffer import gbuffer, layer_behind
 
+    flat = settings.normals == "geometric"
+    left = leaving(settings, Test(screen.COVER, far=True), size, triangles, flat_normals=flat)
     passes = [
         gbuffer(settings.shading.background_rgb, geometric=settings.normals == "geometric"),
         layer_behind(),
-        *_after_gbuffer(settings, Test(screen.COVER, far=True)),
-        screen.composite(settings.shading.ambient, direct=True),
+        *_after_gbuffer(settings, left),
+        screen.composite(settings.shading.ambient, settings.shading.background_rgb, direct=True),
     ]
-    return compile(passes, size, resources(aovs), notes=_notes(settings))
+    return compile(passes, size, resources(aovs), notes=_notes(settings, left))
 
 
 def plan_filter(blur: Blur, size: Size) -> Plan:
@@ -193,12 +246,15 @@ def plan_apply(
         raise SettingsError(f"{settings.method.name}: two layers need a scene to draw; a depth buffer has one")
     if depth not in (WINDOW_DEPTH, EYE_DEPTH):
         raise SettingsError(f"depth kind '{depth}'; must be 'eye' (distance along the view axis) or 'window' (0 to 1)")
-    notes = _notes(settings) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
+    # A depth buffer of the image costs more memory than its one use costs time where occlusion is drawn at a smaller size.
+    cover = Test(screen.COVER) if small_scale(settings) == 1 else None
+    left = leaving(settings, cover, size, None, flat_normals=not normals)
+    notes = _notes(settings, left) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
     passes = [
-        screen.linearize(window=depth == WINDOW_DEPTH),
+        screen.linearize(window=depth == WINDOW_DEPTH, cover=left.cover is not None),
         screen.encode_normals() if normals else screen.normals_from_depth(),
-        *_after_gbuffer(settings, Test(screen.COVER)),
-        screen.composite(settings.shading.ambient, direct=False),
+        *_after_gbuffer(settings, left),
+        screen.composite(settings.shading.ambient, (0.0, 0.0, 0.0), direct=False),
     ]
     inputs = ["depth", *(["normal_xyz"] if normals else []), *(["color"] if "image" in outputs else [])]
     return compile(passes, size, list(outputs), inputs, notes)

@@ -6,20 +6,25 @@ import dataclasses
 import functools
 import importlib.metadata
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from types import TracebackType
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from . import gl
 from .camera import Camera, Part
+from .errors import ContextError
+from .footprint import footprint
 from .gl.context import Context
-from .gl.frame import Frame, PassTime, Rect
+from .gl.frame import Drawn, Frame, PassTime
 from .gl.kit import Kit
 from .graph import Plan
 from .inputs import check_arrays, check_size, radius_of
+from .memory import check_room
 from .passes.blur import Blur
 from .passes.gbuffer import SceneOnGpu
 from .picture import Picture
@@ -42,6 +47,8 @@ def _current(method: Callable[Concatenate[Renderer, Arguments], Result]) -> Call
 
     @functools.wraps(method)
     def on_own_context(self: Renderer, /, *given: Arguments.args, **named: Arguments.kwargs) -> Result:
+        if self.ctx.released:
+            raise ContextError("Renderer: was released; make another")
         with self.ctx.current():
             return method(self, *given, **named)
 
@@ -61,8 +68,13 @@ class Renderer:
         """``keep``: how many plans' textures stay when settings change; more than 1 for those who go to and fro."""
         self.ctx = provider if isinstance(provider, Context) else gl.open(provider)
         self._opened = self.ctx is not provider
-        with self.ctx.current():
-            self._kit = Kit(self.ctx)
+        try:
+            with self.ctx.current():
+                self._kit = Kit(self.ctx)
+        except BaseException:
+            if self._opened:
+                self.ctx.release()
+            raise
         if self._opened:
             self.ctx.leave()
         self._keep = keep
@@ -86,12 +98,13 @@ class Renderer:
         ``aovs``: any of image, visibility, depth, normal, color. ``timed`` draws that many frames
         more and reports the median milliseconds of each pass.
         """
-        settings, frame, view, inside = self._ready(scene, camera, size, settings, aovs)
+        settings, frame, view, where = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
-        frame.run(view, context=self._scene, inside=inside, checked=checked)
+        frame.run(view, context=self._scene, **where, checked=checked)
         arrays = {name: aov(frame, name) for name in aovs}
+        self._check("drawing")
         report = self._report(settings, size, frame, time.perf_counter() - started)
-        report |= measure(frame, timed, view, context=self._scene, inside=inside)
+        report |= measure(frame, timed, view, context=self._scene, **where)
         used = self._scene.camera if self._scene else None
         return Picture(
             arrays,
@@ -103,8 +116,8 @@ class Renderer:
         self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
     ) -> list[PassTime]:
         """Draw one frame with every pass timed, and read nothing back."""
-        _, frame, view, inside = self._ready(scene, camera, size, settings, aovs)
-        frame.run(view, context=self._scene, inside=inside, timed=True)
+        _, frame, view, where = self._ready(scene, camera, size, settings, aovs)
+        frame.run(view, context=self._scene, **where, timed=True)
         return frame.times
 
     @_current
@@ -112,13 +125,13 @@ class Renderer:
         self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
     ) -> Callable[[], object]:
         """A function that draws the frame again and waits for nothing: what a loop of one's own would call."""
-        _, frame, view, inside = self._ready(scene, camera, size, settings, aovs)
-        return lambda: frame.run(view, context=self._scene, inside=inside)
+        _, frame, view, where = self._ready(scene, camera, size, settings, aovs)
+        return lambda: frame.run(view, context=self._scene, **where)
 
     def _ready(
         self, scene: Scene, camera: Camera | None, size: Size, settings: Settings | None, aovs: Sequence[str]
-    ) -> tuple[Settings, Frame, View, Rect | None]:
-        """Everything on the GPU for a frame: the scene, its camera, the plan's textures; and where in them the image lies."""
+    ) -> tuple[Settings, Frame, View, Drawn]:
+        """Everything on the GPU for a frame: the scene, its camera, the plan's textures; and which part of them is drawn."""
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
         settings = (settings or Settings()).with_radius(camera.ao_radius or scene.default_radius())
         self._show(scene, camera, size)
@@ -126,8 +139,14 @@ class Renderer:
         border = max(0, min(guard(settings, camera, size), room))
         outer = w + 2 * border, h + 2 * border
         wide = dataclasses.replace(camera, lens=Part(camera.lens, size, (-border, -border))) if border else camera
-        frame = self._plan(("render", settings, outer, tuple(aovs)), lambda: plan_render(settings, outer, aovs))
-        return settings, frame, wide.view(outer), (border, border, w, h) if border else None
+        view = wide.view(outer)
+        covered = footprint(scene.bounds, camera, view)
+        count = None if covered else scene.triangles
+        frame = self._plan(
+            ("render", settings, outer, tuple(aovs), count), lambda: plan_render(settings, outer, aovs, triangles=count)
+        )
+        inside = (border, border, w, h) if border else None
+        return settings, frame, view, Drawn(inside=inside, covered=None if "background" in settings.keep else covered)
 
     def _show(self, scene: Scene, camera: Camera, size: Size) -> None:
         """The scene on the GPU, before this camera. Raises SettingsError for a size that cannot be."""
@@ -136,7 +155,13 @@ class Renderer:
             if self._scene is not None:
                 self._scene.release()
             self._scene = None
-            self._scene = SceneOnGpu(self._kit, scene)
+            made = SceneOnGpu(self._kit, scene)
+            try:
+                self._check(f"storing {scene.name or 'the scene'}")  # to draw from buffers that could not be made may crash
+            except ContextError:
+                made.release()
+                raise
+            self._scene = made
         self._scene.camera = camera
 
     @_current
@@ -171,17 +196,14 @@ class Renderer:
             lambda: plan_apply(settings, size, depth=depth_kind, normals=normals is not None, outputs=outputs),
         )
         given = {"depth": depth, "normal_xyz": normals, "color": color}
-        inputs = {name: self._kit.upload(array) for name, array in given.items() if array is not None}
-        started = time.perf_counter()
-        try:
+        with self._uploaded({name: array for name, array in given.items() if array is not None}) as inputs:
+            started = time.perf_counter()
             frame.run(camera.view(size), inputs, checked=checked)
             names = (*aovs, *(("image",) if color is not None else ()))
             arrays = {name: aov(frame, name, alpha=color is not None and color.shape[2] == 4) for name in names}
+            self._check("drawing")
             report = self._report(settings, size, frame, time.perf_counter() - started)
             report |= measure(frame, timed, camera.view(size), inputs)
-        finally:
-            for texture in inputs.values():
-                texture.release()
         return Picture(arrays, report)
 
     @_current
@@ -192,12 +214,26 @@ class Renderer:
         that each pass took."""
         self._show(scene, camera, size)
         frame = self._plan(("filter", blur, size), lambda: plan_filter(blur, size))
-        given = self._kit.upload(check_arrays(visibility, None, None)[0])
-        try:
-            frame.run(camera.view(size), {"given": given}, context=self._scene, timed=True)
+        with self._uploaded({"given": check_arrays(visibility, None, None)[0]}) as inputs:
+            frame.run(camera.view(size), inputs, context=self._scene, timed=True)
             return aov(frame, "visibility"), frame.times
+
+    @contextmanager
+    def _uploaded(self, arrays: Mapping[str, NDArray[Any]]) -> Iterator[dict[str, moderngl.Texture]]:
+        """The caller's arrays as textures, for as long as the block lasts."""
+        inputs: dict[str, moderngl.Texture] = {}
+        try:
+            for name, array in arrays.items():
+                inputs[name] = self._kit.upload(array)
+            yield inputs
         finally:
-            given.release()
+            for texture in inputs.values():
+                texture.release()
+
+    def _check(self, what: str) -> None:
+        """Raise ContextError when OpenGL ran out of memory, or was lost. Errors of a caller's own context may be the caller's."""
+        if self._opened:
+            self.ctx.check_error(what)
 
     def _plan(self, key: Any, make: Any) -> Frame:
         """The frame for a plan; the last ones are kept, and their textures serve every plan of the same shape."""
@@ -213,6 +249,8 @@ class Renderer:
         else:
             while len(self._frames) >= self._keep:
                 self._frames.pop(0)[1].release()
+            if self.ctx.software:
+                check_room(plan.bytes, plan.frame)
             frame = Frame(self._kit, plan)
         self._frames.append((key, frame))
         return frame

@@ -13,6 +13,7 @@ vec2 ssao_unpack(float packed_texel) {
 }
 #endif
 
+#ifndef TARGETS
 // Visibility in 0..1 of a pixel with linear depth z; background is open.
 void ssao_write(float visibility, float z) {
     // min and max in this order turn a NaN into 1: open, never a black pixel.
@@ -27,3 +28,4 @@ void ssao_write(float visibility, float z) {
     frag_color = vec4(open);
 #endif
 }
+#endif

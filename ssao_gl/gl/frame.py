@@ -6,7 +6,7 @@ import ctypes
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypedDict
 
 import moderngl
 import numpy as np
@@ -19,8 +19,8 @@ from ..view import View
 from .context import Context
 from .kit import FORMATS, Kit
 
-GL_COLOR, GL_DEPTH_TEST, GL_SCISSOR_TEST = 0x1800, 0x0B71, 0x0C11
-GL_LESS, GL_GREATER, GL_ALWAYS = 0x0201, 0x0204, 0x0207
+GL_COLOR, GL_DEPTH, GL_DEPTH_TEST, GL_SCISSOR_TEST = 0x1800, 0x1801, 0x0B71, 0x0C11
+GL_LESS, GL_GREATER, GL_GEQUAL, GL_ALWAYS = 0x0201, 0x0204, 0x0206, 0x0207
 
 
 MARGIN = 8
@@ -28,6 +28,13 @@ MARGIN = 8
 
 Rect = tuple[int, int, int, int]
 """x, y, width, height in pixels, from the lower left."""
+
+
+class Drawn(TypedDict):
+    """Which part of a frame is drawn; see :meth:`Frame.run`."""
+
+    inside: Rect | None
+    covered: Rect | None
 
 
 class Target(Protocol):
@@ -107,7 +114,7 @@ def target_constants(step: Step, view: View) -> dict[str, Any]:
 
 class Tester:
     """``with tester(task):`` full-screen draws go through the pass's depth test, or write its depth buffer; passes that say
-    what is left elsewhere (``clear``) draw only ``inside``: x, y, width, height in pixels of the image."""
+    what is left elsewhere (``clear``) draw only where ``inside`` and ``covered`` meet, in pixels of the image."""
 
     def __init__(self, ctx: Context) -> None:
         gl = ctx.functions
@@ -115,21 +122,36 @@ class Tester:
         self._func = gl("glDepthFunc", None, ctypes.c_uint)
         self._scissor = gl("glScissor", None, *[ctypes.c_int] * 4)
         self.inside: Rect | None = None
+        self.covered: Rect | None = None
         self._depth = self._cut = False
 
     def __call__(self, step: Step) -> Tester:
         task = step.task
-        self._depth, self._cut = bool(task.test or task.depth), bool(self.inside and task.clear)
+        rect = self._rect(step) if task.clear else None
+        self._depth, self._cut = bool(task.test or task.depth), rect is not None
         if self._depth:
             self._enable(GL_DEPTH_TEST)
-            self._func(GL_GREATER if task.test else GL_ALWAYS)
-        if self.inside and self._cut:
-            (x, y, w, h), s = self.inside, step.scale
-            grow = 0 if step.final else MARGIN  # what later passes look at
-            x0, y0, x1, y1 = (x - grow) // s, (y - grow) // s, -(-(x + w + grow) // s), -(-(y + h + grow) // s)
+            self._func((GL_GEQUAL if task.test.equal else GL_GREATER) if task.test else GL_ALWAYS)
+        if rect:
             self._enable(GL_SCISSOR_TEST)
-            self._scissor(x0, y0, x1 - x0, y1 - y0)
+            self._scissor(*rect)
         return self
+
+    def _rect(self, step: Step) -> Rect | None:
+        """Where a pass has anything to draw, in pixels of its target."""
+        if self.inside is None and self.covered is None:
+            return None
+        scale = step.scale
+        x0, y0, x1, y1 = 0, 0, step.size[0] * scale, step.size[1] * scale
+        if self.inside:
+            x, y, w, h = self.inside
+            grow = 0 if step.final else MARGIN  # what later passes look at
+            x0, y0, x1, y1 = x - grow, y - grow, x + w + grow, y + h + grow
+        if self.covered:
+            x, y, w, h = self.covered
+            x0, y0, x1, y1 = max(x0, x), max(y0, y), min(x1, x + w), min(y1, y + h)
+        x0, y0, x1, y1 = x0 // scale, y0 // scale, -(-x1 // scale), -(-y1 // scale)
+        return x0, y0, max(x1 - x0, 0), max(y1 - y0, 0)
 
     def __enter__(self) -> None:
         pass
@@ -166,8 +188,10 @@ class Frame:
         try:
             self._slots = [self._make(slot.format, slot.size) for slot in plan.slots]
             self._targets = [self._framebuffer(step) for step in plan.steps]
-        except moderngl.Error as error:
+        except BaseException as error:
             self.release()
+            if not isinstance(error, moderngl.Error):
+                raise
             raise ContextError(f"{ctx.renderer} cannot make the targets of {plan.frame[0]}x{plan.frame[1]}: {error}") from None
         self._textures = {name: self._slots[slot] for name, slot in plan.where.items()}
         self._tester = Tester(ctx)
@@ -194,12 +218,14 @@ class Frame:
         return made
 
     def _clear(self, step: Step, target: Target) -> None:
-        """What a tested pass leaves where it does not draw."""
+        """What a pass leaves where it does not draw."""
         target.use()
         clear = self.kit.ctx.functions("glClearBufferfv", None, ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
         for index, name in enumerate(step.writes):
             if name not in step.task.over:
                 clear(GL_COLOR, index, ctypes.addressof((ctypes.c_float * 4)(*(step.task.clear or (0.0,) * 4))))
+        if step.task.depth:
+            clear(GL_DEPTH, 0, ctypes.addressof(ctypes.c_float(1.0)))
 
     def run(
         self,
@@ -208,6 +234,7 @@ class Frame:
         *,
         context: Any = None,
         inside: Rect | None = None,
+        covered: Rect | None = None,
         targets: Mapping[str, Target] | None = None,
         timed: bool = False,
         checked: bool = False,
@@ -215,11 +242,12 @@ class Frame:
         """Draw every step and return the output textures by name.
 
         ``inside``: the part of the image that is wanted; what only it needs is drawn only there, and :meth:`read` gives it.
+        ``covered``: the part beside which there is nothing but background.
         ``targets`` copies an output into a framebuffer of the caller's. ``timed`` fills ``times``; ``checked``
         asks OpenGL for errors after each pass and raises ContextError naming it.
         """
         textures = {**self._textures, **(inputs or {})}
-        self._tester.inside = inside
+        self._tester.inside, self._tester.covered = inside, covered
         stage = Stage(self.kit, self.plan.steps[0], self._targets[0], textures, view, self._tester, context)
         timer = None
         if timed:
@@ -229,7 +257,7 @@ class Frame:
             stage.step, stage.target = step, target
             if timer:
                 timer.start()
-            if step.task.clear and (step.task.test or inside):
+            if step.task.clear and (step.task.test or inside or covered):
                 self._clear(step, target)
             step.task.draw(stage)
             if timer:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import moderngl
@@ -16,10 +17,28 @@ from ..errors import ShaderError, near_miss
 from ..images import flipped
 from .context import Context
 
-FORMATS: Mapping[str, tuple[int, str]] = {"r8": (1, "f1"), "rgba8": (4, "f1"), "rg16f": (2, "f2"), "r32f": (1, "f4")}
+FORMATS: Mapping[str, tuple[int, str]] = {
+    "r8": (1, "f1"), "rgba8": (4, "f1"), "rg16f": (2, "f2"), "r32f": (1, "f4"), "rgba32f": (4, "f4"),
+}  # fmt: skip
 """Texture formats of the graph: components and moderngl's dtype. All can be drawn into on OpenGL ES 3 and WebGL2."""
 
 _UNIFORM = re.compile(r"\buniform\s+(?:\w+\s+)?\w+\s+(\w+)\s*(?:\[|;)")
+
+
+@contextmanager
+def _no_stray_program(ctx: Context) -> Iterator[None]:
+    """moderngl forgets the program that it has made when a shader does not compile. Its name is the next, or the one after."""
+    exists = ctx.functions("glIsProgram", ctypes.c_ubyte, ctypes.c_uint)
+    delete = ctx.functions("glDeleteProgram", None, ctypes.c_uint)
+    next_ = ctx.functions("glCreateProgram", ctypes.c_uint)()
+    delete(next_)
+    free = [name for name in (next_, next_ + 1) if not exists(name)]
+    try:
+        yield
+    except moderngl.Error:
+        for name in filter(exists, free):
+            delete(name)
+        raise
 
 
 class Program:
@@ -27,7 +46,8 @@ class Program:
 
     def __init__(self, ctx: Context, vertex: sources.Source, fragment: sources.Source, name: str) -> None:
         try:
-            self.mgl = ctx.mgl.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
+            with _no_stray_program(ctx):
+                self.mgl = ctx.mgl.program(vertex_shader=vertex.text, fragment_shader=fragment.text)
         except moderngl.Error as error:
             part = vertex if "vertex_shader" in str(error) else fragment
             log = "; ".join(line.strip() for line in part.locate(str(error)).splitlines() if ":" in line)

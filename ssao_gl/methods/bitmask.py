@@ -35,6 +35,8 @@ class Bitmask:
     name: ClassVar[str] = "bitmask"
     shader: ClassVar[str] = "methods/bitmask.frag"
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
+    open_is_exact: ClassVar[bool] = True
+    """What stands less than a sector above the tangent plane hides nothing: visibility is 1 to the last bit."""
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
         "draft": {"scale": 4, "steps": 5},
         "low": {"scale": 2, "steps": 5},
@@ -59,6 +61,7 @@ class Bitmask:
     refine: float = setting(
         0.0, "pixels whose surface the smaller image knows by less than this are drawn again at full size", low=0, high=1
     )
+    adaptive: bool = setting(False, "probe blocks of 16 pixels first; where they and all around see nothing no taps are spent")
     guard: float = setting(
         0.04, "of the image's height, drawn around it (by a renderer) so that taps see what lies beside", low=0, high=1
     )

@@ -63,7 +63,7 @@ class Joint:
         names = ("raw", "blurred x", "visibility")
         return [self._pass(axis, names[axis], names[axis + 1], tile, 1, cover) for axis in (0, 1)]
 
-    def small_passes(self, tile: int, scale: int, test: Test) -> list[Pass]:
+    def small_passes(self, tile: int, scale: int, test: Test | None) -> list[Pass]:
         """The same at a smaller size, to ``small visibility``, which keeps depth for the way back to full size."""
         names = ("raw", "blurred x", "small visibility")
         return [self._pass(axis, names[axis], names[axis + 1], tile, scale, test) for axis in (0, 1)]

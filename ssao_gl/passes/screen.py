@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..gl.frame import Stage
@@ -21,16 +21,14 @@ COVER = "cover"
 """Depth buffer that tells what is not background."""
 
 
-def linearize(*, window: bool) -> Pass:
-    """A caller's ``depth`` to linear ``z``; ``window`` depth is undone with the camera's projection."""
+def linearize(*, window: bool, cover: bool) -> Pass:
+    """A caller's ``depth`` to linear ``z``; ``window`` depth is undone with the camera's projection. ``cover``: and its mask."""
+    defines = {**({"WINDOW_DEPTH": 1} if window else {}), **({"COVER": 1} if cover else {})}
 
     def draw(stage: Stage) -> None:
-        constants = stage.view.depth_constants if window else {}
-        stage.fullscreen(
-            "linearize.frag", constants, {"u_depth": "depth"}, defines={"COVER": 1, **({"WINDOW_DEPTH": 1} if window else {})}
-        )
+        stage.fullscreen("linearize.frag", stage.view.depth_constants if window else {}, {"u_depth": "depth"}, defines=defines)
 
-    return Pass("linearize", ("depth",), {"z": Tex("r32f")}, draw, depth=COVER)
+    return Pass("linearize", ("depth",), {"z": Tex("r32f")}, draw, depth=COVER if cover else None)
 
 
 def normals_from_depth() -> Pass:
@@ -60,12 +58,14 @@ def over_far() -> Pass:
     return Pass("z over far", ("z",), {"z_over_far": Tex("r32f")}, draw)
 
 
-def occlusion(method: Method, *, packed: bool, scale: int = 1, test: Test | None = None) -> Pass:
+def occlusion(method: Method, *, packed: bool, scale: int = 1, test: Test | None = None, over: str | None = None) -> Pass:
     """The method itself. ``packed`` hands visibility and depth in one texel to a blur, else it is the final visibility.
 
     ``scale`` above 1: at a smaller size, for the pixels that ``shrink`` chose. ``test``: which pixels need it.
+    ``over``: what holds the others' visibility, to draw on top of.
     """
-    return _occlusion(method, method.name, {"raw": Tex("r32f", 1 / scale)} if packed else {"visibility": Tex("r8")}, test, {})
+    name, target = ("raw", Tex("r32f", 1 / scale)) if packed else ("visibility", Tex("r8"))
+    return _occlusion(method, method.name, {name: target}, test, {name: over} if over else {})
 
 
 def refine(method: Method, missed: str) -> Pass:
@@ -74,9 +74,23 @@ def refine(method: Method, missed: str) -> Pass:
     return _occlusion(better, f"{method.name} refine", {"visibility": Tex("r8")}, Test(missed), {"visibility": "upsampled"})
 
 
-def _occlusion(method: Method, name: str, writes: Mapping[str, Tex], test: Test | None, over: Mapping[str, str]) -> Pass:
-    packed, small = "raw" in writes, next(iter(writes.values())).scale < 1
-    defines = {**method.defines(), **({"PACKED": 1} if packed else {}), **({"SMALL": 1} if small else {})}
+def probe(method: Method, name: str, block: int) -> Pass:
+    """``name``: the method for the pixel in the middle of each block alone, by more slices instead of a filter."""
+    better = dataclasses.replace(method, slices=4, steps=6, tile=1)  # type: ignore[type-var]
+    return _occlusion(better, f"{method.name} probe", {name: Tex("r8", 1 / block)}, None, {}, probe=True)
+
+
+def _occlusion(
+    method: Method, name: str, writes: Mapping[str, Tex], test: Test | None, over: Mapping[str, str], *, probe: bool = False
+) -> Pass:
+    packed = "raw" in writes
+    small = not probe and next(iter(writes.values())).scale < 1
+    defines = {
+        **method.defines(),
+        **({"PACKED": 1} if packed else {}),
+        **({"SMALL": 1} if small else {}),
+        **({"PROBE": 1} if probe else {}),
+    }
     samplers = {**method.samplers, **(PIXEL[small] if hasattr(method, "scale") else {})}
     lookups = method.lookups()
     seen: list[tuple[View, Mapping[str, Any]]] = []
@@ -87,7 +101,7 @@ def _occlusion(method: Method, name: str, writes: Mapping[str, Tex], test: Test 
         stage.fullscreen(method.shader, seen[0][1], samplers, defines=defines, lookups=lookups)
 
     clear = (0.0,) * 4 if packed else (1.0,) * 4  # background
-    return Pass(name, tuple(samplers.values()), writes, draw, test=test, over=over, clear=clear)
+    return Pass(name, tuple(samplers.values()), writes, draw, test=test, over=over, clear=None if probe else clear)
 
 
 def pack() -> Pass:
@@ -99,8 +113,11 @@ def pack() -> Pass:
     return Pass("pack", ("given", "z"), {"raw": Tex("r32f")}, draw)
 
 
-def composite(ambient: float, *, direct: bool) -> Pass:
-    """``image``: colour times light, its ambient share dimmed by visibility. ``direct``: alpha of colour is direct light."""
+def composite(ambient: float, background: Sequence[float], *, direct: bool) -> Pass:
+    """``image``: colour times light, its ambient share dimmed by visibility; ``background`` (sRGB) where there is nothing.
+
+    ``direct``: alpha of colour is direct light.
+    """
 
     def draw(stage: Stage) -> None:
         stage.fullscreen(
@@ -110,4 +127,4 @@ def composite(ambient: float, *, direct: bool) -> Pass:
             defines={"DIRECT": 1} if direct else {},
         )
 
-    return Pass("composite", ("color", "visibility"), {"image": Tex("rgba8")}, draw, clear=(0.0,) * 4)
+    return Pass("composite", ("color", "visibility"), {"image": Tex("rgba8")}, draw, clear=(*background, 1.0))

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from ..gl.frame import Stage
 from ..graph import Pass, Test, Tex
+from . import skip
 
-TODO = "todo"
-"""Depth buffer of the small image: 0 where there is something to shade."""
 MISSED = "missed"
 """Depth buffer of the image: 0 where no small texel knows the pixel's surface."""
 
@@ -15,16 +14,21 @@ EDGE = 30.0
 everywhere: an even grid is what interpolation is exact on."""
 
 
-def shrink(scale: int) -> Pass:
+def shrink(scale: int, *, open_blocks: bool) -> Pass:
     """``small z`` and ``small normal``: one pixel of each ``scale`` x ``scale``, and which of them there is to shade."""
-    defines = {"TARGETS": 2, "SCALE": scale, "PIXELS": scale * scale}
+    defines = {"SCALE": scale, "PIXELS": scale * scale, "TARGETS": 2}
+    samplers = {"u_z": "z", "u_normal": "normal"}
+    writes = {"small z": Tex("r32f", 1 / scale), "small normal": Tex("rg16f", 1 / scale)}
+    if open_blocks:
+        defines |= {"OPEN": 1, "PACKED": 1, "TARGETS": 3}
+        samplers |= {"u_open": skip.OPEN}
+        writes |= {skip.UNTOUCHED: Tex("r32f", 1 / scale)}
 
     def draw(stage: Stage) -> None:
-        uniforms = {"u_edge": EDGE * stage.view.pixel}
-        stage.fullscreen("shrink.frag", uniforms, {"u_z": "z", "u_normal": "normal"}, defines=defines)
+        uniforms = {"u_edge": EDGE * stage.view.pixel, **(skip.per_block(stage) if open_blocks else {})}
+        stage.fullscreen("shrink.frag", uniforms, samplers, defines=defines)
 
-    writes = {"small z": Tex("r32f", 1 / scale), "small normal": Tex("rg16f", 1 / scale)}
-    return Pass("shrink", ("z", "normal"), writes, draw, depth=TODO)
+    return Pass("shrink", tuple(samplers.values()), writes, draw, depth=skip.TODO, clear=(0.0,) * 4)
 
 
 def upsample(source: str, scale: int, tolerance: float, cover: Test | None, least: float) -> Pass:
