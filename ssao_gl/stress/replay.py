@@ -24,6 +24,7 @@ from ..files import make_folder, unreadable, written
 from ..methods import method
 from ..renderer import Renderer
 from ..settings import as_table, assign
+from ..view import Size
 from .battery import Failure, Row, judged
 from .case import Case, cases
 from .fuzz import PREFIX
@@ -89,7 +90,7 @@ class Recorder:
                 lab.see(shot)
             except Broken:
                 return True
-            except (SsaoError, ValueError):  # the reduced camera is no camera
+            except Exception:  # what fails in another way is another failure
                 return False
             return False
 
@@ -121,11 +122,20 @@ def _write_shot(place: Path, number: int, shot: Shot) -> dict[str, Any]:
         **files,
         "scene": None if shot.scene is None else shot.scene.name or f"{shot.scene.triangles} triangles",
         "size": list(size),
-        "projection": shot.camera.view(size).projection.tolist(),
+        "projection": _projection(shot.camera, size),
         "pose": np.asarray(shot.camera.pose).tolist(),
         **{key: getattr(shot, key) for key in ("kind", "radius", "blur", "normals_of")},
         "changes": dict(shot.changes),
     }
+
+
+def _projection(camera: Camera, size: Size) -> list[list[float]] | None:
+    """The camera's matrix (4, 4); None where having none is what failed."""
+    try:
+        found: list[list[float]] = camera.view(size).projection.tolist()
+        return found
+    except (SsaoError, ArithmeticError):
+        return None
 
 
 def replayed(renderer: Renderer, folder: Path) -> Row:
