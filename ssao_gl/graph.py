@@ -111,6 +111,8 @@ class Plan:
     """pass or resource name -> the reason why it was left out."""
     unshared: int
     """Bytes the textures would take without sharing slots."""
+    saved: Mapping[str, int]
+    """pass or resource name -> bytes that its targets would take, had it not been culled."""
 
     @property
     def bytes(self) -> int:
@@ -195,13 +197,18 @@ def compile(
         done += [task.depth] if task.depth is not None and task.depth not in last else []
         free += [where[name] for name in done]
 
-    culled = dict(notes or {})
-    culled.update({task.name: "nothing wants what it writes" for task in passes if task not in order})
+    culled, saved = dict(notes or {}), {}
+    for task in passes:
+        if task not in order:
+            culled[task.name] = "nothing wants what it writes"
+            targets = [*task.writes.values(), *([Tex(DEPTH, next(iter(task.writes.values())).scale)] if task.depth else [])]
+            saved[task.name] = sum(Slot(tex.format, tex.size(frame)).bytes for tex in targets)
     for step in steps:
         for name in step.task.writes:
             if name not in step.writes:
                 culled[name] = f"nothing reads it, so {step.task.name} does not write it"
-    return Plan(frame, tuple(inputs), tuple(outputs), tuple(steps), tuple(slots), where, culled, unshared)
+                saved[name] = Slot(step.task.writes[name].format, step.size).bytes
+    return Plan(frame, tuple(inputs), tuple(outputs), tuple(steps), tuple(slots), where, culled, unshared, saved)
 
 
 def _check_over(task: Pass, name: str, under: str, slot: Slot, size: tuple[int, int], read_later: bool) -> None:

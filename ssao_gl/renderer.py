@@ -128,6 +128,17 @@ class Renderer:
         _, frame, view, where = self._ready(scene, camera, size, settings, aovs)
         return lambda: frame.run(view, context=self._scene, **where)
 
+    @_current
+    def resource(
+        self, scene: Scene, camera: Camera, size: Size, settings: Settings, name: str, *, aovs: Sequence[str] = ("visibility",)
+    ) -> NDArray[Any] | None:
+        """A resource of a drawn frame, as :meth:`Frame.read` gives it: row 0 at the bottom; None when the plan has none."""
+        _, frame, view, where = self._ready(scene, camera, size, settings, aovs)
+        if not any(name in step.writes for step in frame.plan.steps):
+            return None
+        frame.run(view, context=self._scene, **where)
+        return frame.read(name)
+
     def _ready(
         self, scene: Scene, camera: Camera | None, size: Size, settings: Settings | None, aovs: Sequence[str]
     ) -> tuple[Settings, Frame, View, Drawn]:

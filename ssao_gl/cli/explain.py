@@ -10,12 +10,17 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..errors import SettingsError, near_miss
+from ..framing import framing
+from ..leftout import memory, rules
 from ..methods import registry
 from ..passes.blur import BLURS
 from ..pipeline import plan_render
+from ..renderer import Renderer
+from ..savings import FRAMES, savings
 from ..settings import limits
-from ..tiles import layout
-from .options import LookOptions, ViewOptions
+from ..tiles import USUAL_LIMIT, layout, unguarded
+from .explained import Explained
+from .options import GlOption, LookOptions, ViewOptions
 from .output import say, table
 from .tiling import TileOption
 
@@ -24,46 +29,51 @@ def explain(
     scene: Path | None = None,
     *,
     aov: Annotated[str, Parameter(help="What is wanted, by commas.")] = "image",
+    measure: Annotated[
+        bool,
+        Parameter(negative="", help="Draw the view with the rules of leaving out on and off: share shaded, time, difference."),
+    ] = False,
+    rounds: Annotated[int, Parameter(help="Interleaved rounds of --measure; medians are reported.")] = 5,
     tile: TileOption = None,
+    gl: GlOption = "auto",
     json: Annotated[bool, Parameter(name="--json", negative="", help="As JSON.")] = False,
     view: ViewOptions = ViewOptions(),
     look: LookOptions = LookOptions(),
 ) -> int:
-    """Print the plan of a render: passes, formats, sizes, slots, memory, and what was left out and why. Draws nothing.
+    """Print the plan of a render: passes, formats, sizes, slots, memory, and what was left out and why. Draws nothing without --measure.
 
     Parameters
     ----------
     scene
         Scene file. Without it: the embedded scene.
     """
+    if rounds < 1:
+        raise SettingsError(f"--rounds {rounds}: must be at least 1")
     settings, size = look.settings(), view.pixels()
     loaded = view.load(scene)
     camera = view.choose(loaded)
-    settings = settings.with_radius(camera.ao_radius or loaded.default_radius())
+    made = framing(loaded, camera, size, settings, USUAL_LIMIT)
     aovs = tuple(part.strip() for part in aov.split(","))
-    cut = layout(loaded, camera, size, settings, aovs, tile=tile)
-    plan = plan_render(settings, cut.outer if cut else size, aovs)
+    cut = layout(loaded, camera, size, made.settings, aovs, tile=tile)
+    if cut and measure:
+        raise SettingsError("--measure: a picture in tiles is not drawn at once; choose a smaller --size, and no --tile")
+    settings, outer = (unguarded(made.settings), cut.outer) if cut else (made.settings, made.outer)
+    plan = plan_render(settings, outer, aovs, triangles=made.triangles)
+    found = Explained(made, plan, cut, memory(settings, cut.outer if cut else size, plan), rules(made, plan), [], "")
+    if measure:
+        with Renderer(gl, keep=FRAMES) as renderer:
+            measured = savings(renderer, loaded, camera, size, settings, rounds=rounds)
+            found = dataclasses.replace(found, savings=measured, where=f"{renderer.ctx.provider}, {renderer.ctx.renderer}")
+    subject = {"scene": loaded.name, "triangles": loaded.triangles, "camera": camera.name, "settings": made.settings.table()}
     if json:
-        content = {
-            "scene": loaded.name, "triangles": loaded.triangles, "camera": camera.name, "settings": settings.table(),
-            "passes": [
-                {
-                    "name": step.task.name, "reads": list(step.task.reads), "size": list(step.size),
-                    "writes": [{"name": n, "format": plan.slots[s].format, "slot": s} for n, s in zip(step.writes, step.slots, strict=True)],
-                }
-                for step in plan.steps
-            ],
-            "slots": [{"format": s.format, "size": list(s.size), "bytes": s.bytes} for s in plan.slots],
-            "bytes": plan.bytes, "left_out": dict(plan.culled), "tiles": cut.table() if cut else None,
-        }  # fmt: skip
-        say(json_module.dumps(content, indent=1))
+        say(json_module.dumps(subject | found.table(), indent=1))
         return 0
-    method = settings.method
+    method = made.settings.method
     say(f"{loaded.name}: {loaded.triangles:,} triangles in {len(loaded.draws)} meshes, camera {camera.name or 'automatic'}")
     say(f"{method.name}: " + ", ".join(f"{f.name} {getattr(method, f.name)}" for f in dataclasses.fields(method)))  # type: ignore[arg-type]
     if cut:
         say(f"{size[0]}x{size[1]} in {cut.describe()}; the plan of the largest:")
-    say(plan.describe())
+    found.tell(rounds)
     return 0
 
 

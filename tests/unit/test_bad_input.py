@@ -331,7 +331,7 @@ def test_verbose_shows_the_trace(capsys: pytest.CaptureFixture[str], folder: Pat
 def test_unforeseen_errors_are_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     from ssao_gl.cli import explain
 
-    def fail(*_: object) -> Any:
+    def fail(*_: object, **__: object) -> Any:
         raise KeyError("x")
 
     monkeypatch.setattr(explain, "plan_render", fail)

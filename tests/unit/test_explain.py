@@ -1,0 +1,92 @@
+"""What is said of leaving out without drawing anything: rules and their reasons, resources, memory; and the command."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import pytest
+
+import ssao_gl as ao
+from ssao_gl.framing import framing
+from ssao_gl.graph import BYTES
+from ssao_gl.leftout import memory, resources, rules
+from ssao_gl.pipeline import RULES
+from ssao_gl.tiles import USUAL_LIMIT
+
+from ..command_line import refused, run
+from ..shapes import camera, corner
+
+SIZE = (320, 180)
+
+
+def why(settings: ao.Settings, aovs: tuple[str, ...] = ("image",)) -> dict[str, str]:
+    made = framing(corner(), camera(), SIZE, settings, USUAL_LIMIT)
+    return {rule.name: rule.why for rule in rules(made, made.plan(aovs))}
+
+
+def test_each_rule_is_in_force_or_says_why() -> None:
+    fixed = ao.Settings(method=ao.Bitmask(radius=1.0))
+    adaptive = ao.Settings(method=ao.Bitmask(radius=1.0, adaptive=True))
+    assert why(fixed) == {"background": "", "open": why(fixed)["open"], "adaptive": why(fixed)["adaptive"]}
+    assert "taps a pixel" in why(fixed)["open"] and "adaptive=true" in why(fixed)["adaptive"]
+    assert why(adaptive)["adaptive"] == "" and "adaptive rule" in why(adaptive)["open"]
+    assert why(dataclasses.replace(adaptive, keep=("adaptive",)))["adaptive"] == "switched off"
+    assert set(why(dataclasses.replace(fixed, keep=tuple(RULES))).values()) == {"switched off"}
+    assert set(why(fixed, ("depth",)).values()) == {"no occlusion is drawn"}
+
+
+def test_every_pass_and_resource_is_kept_or_left_out() -> None:
+    settings = ao.Settings(method=ao.Bitmask(radius=1.0))
+    plan = framing(corner(), camera(), SIZE, settings, USUAL_LIMIT).plan(("visibility",))
+    kept = {row["name"] for row in resources(plan)}
+    assert kept == set(plan.where) and not kept & set(plan.culled)
+    assert {"layer behind", "composite", "color", "shading_normal"} <= set(plan.culled)
+    for row in resources(plan):
+        assert row["bytes"] == BYTES[row["format"]] * row["size"][0] * row["size"][1]
+
+
+def test_memory_adds_up() -> None:
+    settings = ao.Settings(method=ao.Bitmask(radius=1.0))
+    plan = framing(corner(), camera(), SIZE, settings, USUAL_LIMIT).plan(("visibility",))
+    found = memory(settings, SIZE, plan)
+    w, h = plan.frame
+    assert found.total == plan.bytes and found.shared == plan.unshared - plan.bytes > 0
+    assert found.culled["color"] == 4 * w * h and found.culled["layer behind"] == (4 + 4) * w * h
+    own = {"z", "normal", "cover", "visibility"}
+    assert found.beyond == plan.bytes - sum(plan.slots[plan.where[name]].bytes for name in own)
+    deep = ao.Settings(method=ao.Bitmask(radius=1.0, scale=1, layers=2))
+    assert memory(deep, SIZE, plan).effect is None and found.effect is not None
+
+
+def test_the_default_takes_little_memory() -> None:
+    """At 1280x720 at most 12 MiB beyond the caller's own buffers."""
+    settings = ao.Settings(method=ao.Bitmask(radius=1.0))
+    size = 1280, 720
+    found = memory(settings, size, framing(corner(), camera(), size, settings, USUAL_LIMIT).plan(("image",)))
+    assert found.effect is not None and max(found.beyond, found.effect) <= 12 * 2**20
+
+
+def test_the_command_tells_it(capsys: pytest.CaptureFixture[str]) -> None:
+    _, out, _ = run("explain", capsys=capsys)
+    for words in (
+        "rule background: ",
+        "rule open: ",
+        "not in force: ",
+        "guard: 32 pixels",
+        "footprint: ",
+        "memory: ",
+        "saved: ",
+    ):
+        assert words in out, words
+    _, out, _ = run("explain", "--json", capsys=capsys)
+    found = json.loads(out)
+    assert found["measured"] is None and found["memory"]["total"] == found["bytes"]
+    assert found["drawn"]["size"] == [1344, 784]  # what is really drawn: the guard counts
+    assert [rule["name"] for rule in found["rules"]] == list(RULES) and found["rules"][0]["in_force"]
+    assert {row["name"]: row.get("reason") for row in found["resources"] if not row["kept"]} == found["left_out"]
+
+
+def test_bad_input_of_measuring(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "--rounds 0" in refused(capsys, "explain", "--measure", "--rounds", 0)
+    assert "--measure: a picture in tiles" in refused(capsys, "explain", "--measure", "--size", "640x360", "--tile", 64)
