@@ -31,7 +31,8 @@ def aov(frame: Frame, name: str, *, alpha: bool = False) -> NDArray[Any]:
 
 
 def measure(frame: Frame, rounds: int, view: View, inputs: Any = None, **drawn: Any) -> dict[str, Any]:
-    """Median milliseconds over ``rounds`` frames (``drawn``: see :meth:`Frame.run`): of each pass, of the G-buffer, and of everything after it."""
+    """Median milliseconds over ``rounds`` frames (``drawn``: see :meth:`Frame.run`): of each pass (and of the CPU's threads, ``cpu_ms``), of
+    the G-buffer, and of everything after it."""
     runs: list[list[PassTime]] = []
     for _ in range(rounds):
         frame.run(view, inputs, **drawn, timed=True)
@@ -39,8 +40,9 @@ def measure(frame: Frame, rounds: int, view: View, inputs: Any = None, **drawn: 
     if not runs:
         return {}
     medians = {p.name: float(np.median([run[i].ms for run in runs])) for i, p in enumerate(runs[0])}
+    work = [float(np.median([run[i].cpu_ms for run in runs])) for i in range(len(runs[0]))]
     return {
-        "passes": [{"name": name, "ms": ms} for name, ms in medians.items()],
+        "passes": [{"name": name, "ms": ms, "cpu_ms": cpu} for (name, ms), cpu in zip(medians.items(), work, strict=True)],
         "gbuffer_ms": medians.get("gbuffer", 0.0),
         "ao_ms": sum(ms for name, ms in medians.items() if name != "gbuffer"),
         "clock": runs[0][0].clock,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import importlib.metadata
 import time
@@ -15,10 +14,10 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from . import gl
-from .camera import Camera, Part
+from . import gl, planner
+from .camera import Camera
 from .errors import ContextError
-from .footprint import footprint
+from .framing import framing
 from .gl.context import Context
 from .gl.frame import Drawn, Frame, PassTime
 from .gl.kit import Kit
@@ -28,7 +27,7 @@ from .memory import check_room
 from .passes.blur import Blur
 from .passes.gbuffer import SceneOnGpu
 from .picture import Picture
-from .pipeline import GUARD_STEP, Settings, guard, plan_apply, plan_filter, plan_render
+from .pipeline import Settings, plan_apply, plan_filter
 from .readback import aov, measure
 from .scene import Scene
 from .view import Size, View
@@ -92,12 +91,19 @@ class Renderer:
         aovs: Sequence[str] = ("image", "visibility"),
         timed: int = 0,
         checked: bool = False,
+        budget_ms: float | None = None,
+        max_error: float | None = None,
     ) -> Picture:
         """Draw ``scene``; without ``camera`` the scene's own first one, else an automatic view.
 
-        ``aovs``: any of image, visibility, depth, normal, color. ``timed`` draws that many frames
-        more and reports the median milliseconds of each pass.
+        ``aovs``: any of image, visibility, depth, normal, color. ``timed`` draws that many frames more and reports the median
+        milliseconds of each pass. ``budget_ms``, ``max_error``: method and options are chosen; see :func:`ssao_gl.planner.plan`.
         """
+        if budget_ms is not None or max_error is not None:
+            target = planner.Target(budget_ms=budget_ms, max_error=max_error)
+            choice = planner.plan(self, scene, camera, size, target, settings, aovs=aovs)
+            timed = max(timed, planner.ROUNDS)
+            return choice.noted(self.render(scene, camera, size, choice.settings, aovs=aovs, timed=timed, checked=checked))
         settings, frame, view, where = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
         frame.run(view, context=self._scene, **where, checked=checked)
@@ -144,20 +150,10 @@ class Renderer:
     ) -> tuple[Settings, Frame, View, Drawn]:
         """Everything on the GPU for a frame: the scene, its camera, the plan's textures; and which part of them is drawn."""
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
-        settings = (settings or Settings()).with_radius(camera.ao_radius or scene.default_radius())
         self._show(scene, camera, size)
-        (w, h), room = size, (self.ctx.max_size - max(size)) // 2 // GUARD_STEP * GUARD_STEP
-        border = max(0, min(guard(settings, camera, size), room))
-        outer = w + 2 * border, h + 2 * border
-        wide = dataclasses.replace(camera, lens=Part(camera.lens, size, (-border, -border))) if border else camera
-        view = wide.view(outer)
-        covered = footprint(scene.bounds, camera, view)
-        count = None if covered else scene.triangles
-        frame = self._plan(
-            ("render", settings, outer, tuple(aovs), count), lambda: plan_render(settings, outer, aovs, triangles=count)
-        )
-        inside = (border, border, w, h) if border else None
-        return settings, frame, view, Drawn(inside=inside, covered=None if "background" in settings.keep else covered)
+        made = framing(scene, camera, size, settings or Settings(), self.ctx.max_size)
+        frame = self._plan(("render", made.settings, made.outer, tuple(aovs), made.triangles), lambda: made.plan(aovs))
+        return made.settings, frame, made.view, made.drawn
 
     def _show(self, scene: Scene, camera: Camera, size: Size) -> None:
         """The scene on the GPU, before this camera. Raises SettingsError for a size that cannot be."""
@@ -188,13 +184,26 @@ class Renderer:
         aovs: Sequence[str] = ("visibility", "depth", "normal"),
         timed: int = 0,
         checked: bool = False,
+        budget_ms: float | None = None,
+        max_error: float | None = None,
     ) -> Picture:
         """Occlusion over arrays, row 0 on top.
 
         depth: (h, w) distance along the view axis in scene units (0, inf, nan: background), or window depth in 0..1.
         color: (h, w, 3 or 4) uint8 sRGB, to be dimmed. normals: (h, w, 3) view space. Gives ``aovs``, and image when
-        there is colour. Raises FormatError for shapes that do not fit.
+        there is colour. Raises FormatError for shapes that do not fit. ``timed``, ``budget_ms``, ``max_error``: see :meth:`render`.
         """
+        if budget_ms is not None or max_error is not None:
+            target = planner.Target(budget_ms=budget_ms, max_error=max_error)
+            choice = planner.plan_arrays(
+                self, depth, camera, target, settings, color=color, normals=normals, depth_kind=depth_kind
+            )
+            return choice.noted(
+                self.apply(
+                    depth, camera, color=color, normals=normals, depth_kind=depth_kind, settings=choice.settings, aovs=aovs,
+                    timed=max(timed, planner.ROUNDS), checked=checked,
+                )
+            )  # fmt: skip
         depth, color, normals = check_arrays(depth, color, normals)
         h, w = depth.shape
         size = (w, h)

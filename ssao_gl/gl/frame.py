@@ -112,6 +112,23 @@ def target_constants(step: Step, view: View) -> dict[str, Any]:
     }
 
 
+def drawn_rect(step: Step, inside: Rect | None, covered: Rect | None) -> Rect | None:
+    """Where a pass that says what is left elsewhere has anything to draw, in pixels of its target; None: all of it."""
+    if not step.task.clear or (inside is None and covered is None):
+        return None
+    scale = step.scale
+    x0, y0, x1, y1 = 0, 0, step.size[0] * scale, step.size[1] * scale
+    if inside:
+        x, y, w, h = inside
+        grow = 0 if step.final else MARGIN  # what later passes look at
+        x0, y0, x1, y1 = x - grow, y - grow, x + w + grow, y + h + grow
+    if covered:
+        x, y, w, h = covered
+        x0, y0, x1, y1 = max(x0, x), max(y0, y), min(x1, x + w), min(y1, y + h)
+    x0, y0, x1, y1 = x0 // scale, y0 // scale, -(-x1 // scale), -(-y1 // scale)
+    return x0, y0, max(x1 - x0, 0), max(y1 - y0, 0)
+
+
 class Tester:
     """``with tester(task):`` full-screen draws go through the pass's depth test, or write its depth buffer; passes that say
     what is left elsewhere (``clear``) draw only where ``inside`` and ``covered`` meet, in pixels of the image."""
@@ -127,7 +144,7 @@ class Tester:
 
     def __call__(self, step: Step) -> Tester:
         task = step.task
-        rect = self._rect(step) if task.clear else None
+        rect = drawn_rect(step, self.inside, self.covered)
         self._depth, self._cut = bool(task.test or task.depth), rect is not None
         if self._depth:
             self._enable(GL_DEPTH_TEST)
@@ -136,22 +153,6 @@ class Tester:
             self._enable(GL_SCISSOR_TEST)
             self._scissor(*rect)
         return self
-
-    def _rect(self, step: Step) -> Rect | None:
-        """Where a pass has anything to draw, in pixels of its target."""
-        if self.inside is None and self.covered is None:
-            return None
-        scale = step.scale
-        x0, y0, x1, y1 = 0, 0, step.size[0] * scale, step.size[1] * scale
-        if self.inside:
-            x, y, w, h = self.inside
-            grow = 0 if step.final else MARGIN  # what later passes look at
-            x0, y0, x1, y1 = x - grow, y - grow, x + w + grow, y + h + grow
-        if self.covered:
-            x, y, w, h = self.covered
-            x0, y0, x1, y1 = max(x0, x), max(y0, y), min(x1, x + w), min(y1, y + h)
-        x0, y0, x1, y1 = x0 // scale, y0 // scale, -(-x1 // scale), -(-y1 // scale)
-        return x0, y0, max(x1 - x0, 0), max(y1 - y0, 0)
 
     def __enter__(self) -> None:
         pass

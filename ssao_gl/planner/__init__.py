@@ -1,0 +1,11 @@
+"""The planner: method and options for a budget of milliseconds, or for a bound on the error.
+
+What a frame takes is predicted from probe frames on this driver (:mod:`.calibration`), kept in a cache, and from one small frame of the
+view itself; what it lacks to rays, from what small pictures of the view show (:mod:`.signs`) by weights that were
+measured once and are shipped (:mod:`.errors`). See :func:`plan` and :func:`plan_arrays`.
+"""
+
+from .choice import Choice, Prediction, Target
+from .plan import ROUNDS, plan, plan_arrays
+
+__all__ = ["ROUNDS", "Choice", "Prediction", "Target", "plan", "plan_arrays"]

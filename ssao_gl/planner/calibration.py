@@ -1,0 +1,164 @@
+"""What a pixel costs on this driver: probe frames of a made-up scene, kept in a cache.
+
+The scene is rough everywhere, so nothing of it is left out by content. It is drawn filling a small and a larger image, and
+from afar, which tells fixed costs, those of an image's area and those of shading apart; under both ends of each family
+of candidates, between which costs are linear.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import json
+import logging
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import sources
+from ..camera import Camera, look_at
+from ..errors import FormatError, one_line
+from ..files import make_folder, written
+from ..framing import framing
+from ..gl.context import Context
+from ..pipeline import Settings, small_scale
+from ..scene import Scene
+from ..settings import as_table
+from ..view import Size
+from .candidates import CANDIDATES, FAMILIES, Candidate
+from .choice import times
+from .cost import DRAWN, Rate, Rates, Work, fitted, works
+
+VERSION = 1
+"""Part of every key: raised whenever the same driver would be probed in another way."""
+
+SOFTWARE_SIZES: tuple[Size, Size] = ((256, 144), (640, 360))
+GPU_SIZES: tuple[Size, Size] = ((640, 360), (1920, 1080))
+ROUNDS = 3
+
+log = logging.getLogger("ssao_gl")
+
+
+def clock(ctx: Context) -> str:
+    """By which milliseconds are counted: see :data:`.choice.CLOCKS`."""
+    return "cpu" if ctx.software else "gpu" if ctx.gpu_timer else "wall"
+
+
+def key(ctx: Context) -> str:
+    """Hash of all that decides what passes cost: the driver, this package's version, every shader, and what is probed."""
+    ends = [[end.method, as_table(end.made())] for family in FAMILIES for end in family.ends]
+    parts = [VERSION, ctx.provider, ctx.renderer, ctx.version, importlib.metadata.version("ssao_gl"), ends]
+    digest = hashlib.sha256(json.dumps(parts, sort_keys=True).encode())
+    for path in sorted(p for p in sources.root().rglob("*") if p.is_file()):
+        digest.update(path.relative_to(sources.root()).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:32]
+
+
+def calibrated(ctx: Context, folder: Path) -> Mapping[str, Rates]:
+    """The rates of both ends of every family, from the cache in ``folder`` or by probe frames."""
+    path = folder / f"planner-{key(ctx)}.json"
+    found = _read(path)
+    if found is None:
+        log.info("planner: probing %s, once", ctx.renderer)
+        found = probe(ctx)
+        _write(path, found)
+    return found
+
+
+def rates_of(candidate: Candidate, ends: Mapping[str, Rates]) -> Rates:
+    """The rates of a candidate, from those of the ends of its family."""
+    family = CANDIDATES[candidate.name][0]
+    first, last = (ends[end.name] for end in family.ends)
+    return {name: rate.towards(last[name], family.place(candidate)) for name, rate in first.items() if name in last}
+
+
+def probe(ctx: Context) -> dict[str, Rates]:
+    """Draw and time all probe frames. Passes that do the same for several candidates share a rate, which halves its noise."""
+    from ..renderer import Renderer  # which plans by this
+
+    small, large = SOFTWARE_SIZES if ctx.software else GPU_SIZES
+    scene, ends = rough(), {end.name: end for family in FAMILIES for end in family.ends}
+    measured: dict[tuple[Any, ...], list[tuple[Work, float]]] = {}
+    rated: dict[str, dict[str, tuple[Any, ...]]] = {name: {} for name in ends}
+    with Renderer(ctx) as renderer:
+        for size, away in ((small, 1.0), (large, 1.0), (large, 3.0)):
+            camera, radius = above(away), RADIUS * away
+            covered = float((renderer.render(scene, camera, size, aovs=("depth",)).depth > 0).mean())
+            for name, end in ends.items():
+                settings = Settings(method=end.made(radius))
+                picture = renderer.render(scene, camera, size, settings, aovs=("image",), timed=ROUNDS)
+                made, ms = framing(scene, camera, size, settings, ctx.max_size), times(picture.report["passes"], clock(ctx))
+                for task, one in works(made.plan(("image",)), made.drawn, covered).items():
+                    if task not in DRAWN:
+                        rated[name][task] = _alike(task, settings)
+                        measured.setdefault(rated[name][task], []).append((one, ms[task]))
+    rates = {alike: fitted(runs) for alike, runs in measured.items()}
+    return {name: {task: rates[alike] for task, alike in tasks.items()} for name, tasks in rated.items()}
+
+
+def _alike(task: str, settings: Settings) -> tuple[Any, ...]:
+    """The same for passes that do the same for a pixel."""
+    method, scale = settings.method, small_scale(settings)
+    if task == method.name:
+        return (task, scale > 1, *sorted(method.defines().items()))
+    return task, scale, getattr(method, "tile", None)
+
+
+CELLS: Size = (160, 90)
+RADIUS = 4.0
+"""Cells: about 24 pixels of the larger image."""
+
+
+def rough() -> Scene:
+    """A field of random heights, one cell wide each, flat-shaded, about the origin in the plane of x and y."""
+    w, h = CELLS
+    x, y = np.meshgrid(np.arange(w + 1) - w / 2, np.arange(h + 1) - h / 2)
+    z = 1.5 * np.random.default_rng(1).random(x.shape)
+    corner = np.arange((w + 1) * (h + 1)).reshape(h + 1, w + 1)
+    a, b, c, d = corner[:-1, :-1], corner[:-1, 1:], corner[1:, 1:], corner[1:, :-1]
+    triangles = np.concatenate([np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)])
+    return Scene.from_arrays(np.stack([x, y, z], -1).reshape(-1, 3), triangles)
+
+
+def above(away: float) -> Camera:
+    """A camera over the field that shows four fifths of it, or, farther away, more than there is."""
+    distance = 0.4 * CELLS[1] * away
+    return Camera.perspective(np.pi / 2, 0.1 * distance, 10 * distance, look_at((0, 0, distance), (0, 0, 0), (0, 1, 0)))
+
+
+def _write(path: Path, found: Mapping[str, Rates]) -> None:
+    """A cache that cannot be written costs the next run its time, and this one a warning."""
+    table = {name: {task: list(asdict(rate).values()) for task, rate in rates.items()} for name, rates in found.items()}
+    try:
+        make_folder(path.parent)
+        with written(path) as temporary:
+            temporary.write_text(json.dumps(table, indent=1) + "\n", "utf-8")
+    except FormatError as error:
+        log.warning("%s; probing again the next time", error)
+
+
+def _read(path: Path) -> dict[str, Rates] | None:
+    """What :func:`_write` wrote; None when there is none, or, with a warning, when it is damaged."""
+    if not path.is_file():
+        return None
+    try:
+        table = json.loads(path.read_text("utf-8"))
+        found: dict[str, Rates] = {
+            name: {task: Rate(*map(float, numbers)) for task, numbers in table[name].items()}
+            for name in (end.name for family in FAMILIES for end in family.ends)
+        }
+        if not all(
+            math.isfinite(part) and part >= 0
+            for rates in found.values()
+            for rate in rates.values()
+            for part in asdict(rate).values()
+        ):
+            raise ValueError("rates must be numbers, not negative")
+    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+        log.warning("%s is damaged (%s); probing again", path, one_line(error, 120))
+        return None
+    return found

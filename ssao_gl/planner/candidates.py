@@ -1,0 +1,116 @@
+"""What the planner chooses from: settings on the front of error against time, and beside it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..errors import SettingsError, near_miss
+from ..methods import Method, method, registry
+from ..settings import assign
+
+SECOND_LAYER: Mapping[str, Any] = {"layers": 2, "thickness": 0.2, "bridge": 2.0}
+FULL_SIZE: Mapping[str, Any] = {"scale": 1, "tile": 4, "slices": 1}
+
+
+TELLING = ("scale", "layers", "steps", "samples")
+"""Settings that a candidate is named by."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Settings of a method, all but the radius."""
+
+    method: str
+    fields: Mapping[str, Any]
+
+    @property
+    def name(self) -> str:
+        """By its preset if it is one, else by what tells it from others: ``bitmask medium``, ``bitmask scale=2 steps=7``."""
+        for preset, fields in getattr(registry()[self.method], "presets", {}).items():
+            if self.made() == assign(method(self.method), fields):
+                return f"{self.method} {preset}"
+        return " ".join([self.method, *(f"{key}={self.fields[key]}" for key in TELLING if key in self.fields)])
+
+    @property
+    def layers(self) -> int:
+        """How many layers of the scene it looks at."""
+        return int(self.fields.get("layers", 1))
+
+    def made(self, radius: float | None = None) -> Method:
+        """The method with these settings and a radius, scene units."""
+        made: Method = assign(method(self.method), {**self.fields, "radius": radius})
+        return made
+
+
+@dataclass(frozen=True)
+class Family:
+    """Candidates that differ in one number, in which the cost of a pixel is linear: probes of two of them tell all."""
+
+    method: str
+    fixed: Mapping[str, Any]
+    varied: str
+    values: Sequence[int]
+    probed: tuple[int, int]
+    """The two whose frames are timed: shaders compile longer than they draw, so those that others need too."""
+
+    def candidate(self, value: int) -> Candidate:
+        return Candidate(self.method, {**self.fixed, self.varied: value})
+
+    @property
+    def candidates(self) -> list[Candidate]:
+        return [self.candidate(value) for value in self.values]
+
+    @property
+    def ends(self) -> tuple[Candidate, Candidate]:
+        """The two that are probed."""
+        return self.candidate(self.probed[0]), self.candidate(self.probed[1])
+
+    def place(self, candidate: Candidate) -> float:
+        """Where a candidate lies: 0 at the first of the probed, 1 at the second."""
+        first, second = self.probed
+        return float((candidate.fields[self.varied] - first) / (second - first))
+
+
+FAMILIES = (
+    Family("bitmask", {"scale": 4}, "steps", (3, 5, 8), (5, 10)),
+    Family("bitmask", {"scale": 2}, "steps", (3, 5, 7, 10, 14), (5, 10)),
+    Family("bitmask", {"scale": 2, **SECOND_LAYER}, "steps", (5, 8, 12), (5, 12)),
+    Family("bitmask", FULL_SIZE, "steps", (5, 8, 11, 16), (5, 11)),
+    Family("bitmask", {**FULL_SIZE, **SECOND_LAYER}, "steps", (8, 13, 20), (8, 13)),
+    Family("alchemy", {}, "samples", (4, 8, 16, 32), (4, 16)),
+)
+
+CANDIDATES: Mapping[str, tuple[Family, Candidate]] = {
+    candidate.name: (family, candidate) for family in FAMILIES for candidate in family.candidates
+}
+"""Name -> its family, itself."""
+
+PROBES: Mapping[str, tuple[str, str]] = {
+    "bitmask": ("bitmask low", "bitmask scale=2 layers=2 steps=5"),
+    "alchemy": ("alchemy draft", "alchemy draft"),
+}
+"""Method -> the candidates whose frame of a view is timed: where there is one layer, and where there are two."""
+
+
+def chosen_from(names: Sequence[str], layers: int) -> list[Candidate]:
+    """The candidates of some methods (all when none are named) that look at no more than ``layers``. Raises SettingsError."""
+    known = list(PROBES)
+    for name in names:
+        if name not in known:
+            raise SettingsError(
+                f"nothing is known of '{name}' to plan by; the planner chooses from {', '.join(known)}.{near_miss(name, known)}"
+            )
+    return [c for _, c in CANDIDATES.values() if c.layers <= layers and (not names or c.method in names)]
+
+
+def differing(given: Method) -> list[str]:
+    """The settings of a method, but the radius, that are not as shipped: the planner would overrule them."""
+    shipped = method(given.name)
+    return [
+        f"{field.name}={getattr(given, field.name)}"
+        for field in dataclasses.fields(given)  # type: ignore[arg-type]
+        if field.name != "radius" and getattr(given, field.name) != getattr(shipped, field.name)
+    ]

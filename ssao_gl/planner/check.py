@@ -1,0 +1,163 @@
+"""How good plans are: ``python -m ssao_gl.planner.check SCENE.glb [...] [--size WIDTHxHEIGHT] [--json FILE]``.
+
+For every camera of the camera file beside each scene: every candidate is predicted, and then drawn, timed and held against
+rays. Says how far predicted times and errors were off, and how much worse than the best of all candidates the planner's
+choices are under budgets and bounds over the whole range. Times are also compared after taking out how much faster or
+slower the machine had become since the plan, by one and the same frame timed again beside each candidate: ``paired``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..camera import Camera
+from ..errors import SettingsError
+from ..files import written
+from ..pipeline import Settings
+from ..renderer import Renderer
+from ..scene import Scene
+from ..truth import Tracing, trace
+from ..truth.cache import default_folder
+from ..view import Size
+from .candidates import CANDIDATES, PROBES
+from .choice import Prediction, Target, choose, times
+from .measure import SPP, rmse, views
+from .plan import ROUNDS, plan
+
+ALL = Target(budget_ms=1e9)
+STEPS = 9
+"""Budgets, and bounds on the error, that are tried in a view: evenly spread, in logarithms, over what can be had."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A candidate in a view: what was predicted and what it was. ``drift``: how much slower the machine had become."""
+
+    view: str
+    name: str
+    predicted_ms: float
+    ms: float
+    drift: float
+    predicted_error: float
+    error: float
+
+    @property
+    def expected(self) -> Prediction:
+        return Prediction(self.name, self.predicted_ms, self.predicted_error)
+
+    @property
+    def found(self) -> Prediction:
+        return Prediction(self.name, self.ms / self.drift, self.error)
+
+
+def outcomes(renderer: Renderer, scene: Scene, camera: Camera, size: Size) -> list[Outcome]:
+    """Every candidate in one view."""
+    truth = trace(scene, camera, size, Tracing(spp=SPP), cache=default_folder())
+    depth = renderer.render(scene, camera, size, aovs=("depth",)).depth
+    choice = plan(renderer, scene, camera, size, ALL, aovs=("visibility",))
+    radius = choice.settings.method.radius
+
+    def drawn(name: str) -> tuple[float, float]:
+        settings = dataclasses.replace(choice.settings, method=CANDIDATES[name][1].made(radius))
+        picture = renderer.render(scene, camera, size, settings, aovs=("visibility",), timed=ROUNDS)
+        return sum(times(picture.report["passes"], choice.clock).values()), rmse(picture.visibility, truth, depth)
+
+    yardstick = PROBES[Settings().method.name][1]
+    expected = next(p.ms for p in choice.considered if p.name == yardstick)
+    found = []
+    for one in choice.considered:
+        beside, (ms, error) = drawn(yardstick)[0], drawn(one.name)
+        drift = beside / expected
+        found.append(Outcome(f"{scene.name}:{camera.name}", one.name, one.ms, ms, drift, one.error, error))
+    return found
+
+
+def worse(found: Sequence[Outcome]) -> dict[str, list[float]]:
+    """How many times worse than the best choice the planner's are in one view: errors under budgets, times under bounds.
+
+    Predictions are held against what was measured with the machine's drift taken out. Budgets and bounds for which
+    either finds nothing are left out.
+    """
+    measured = {one.name: one.found for one in found}
+    ratios: dict[str, list[float]] = {"error": [], "ms": [], "overrun": []}
+    for kind in ("error", "ms"):
+        limits = [one.ms if kind == "error" else one.error for one in measured.values()]
+        for limit in np.geomspace(min(limits), max(limits), STEPS):
+            target = Target(budget_ms=limit) if kind == "error" else Target(max_error=limit)
+            try:
+                chosen = measured[choose([one.expected for one in found], target).name]
+                best = choose(list(measured.values()), target)
+            except SettingsError:
+                continue
+            ratios[kind].append(getattr(chosen, kind) / max(getattr(best, kind), 1e-6))
+            if kind == "error":
+                ratios["overrun"].append(chosen.ms / limit)
+    return ratios
+
+
+def summary(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
+    """Lines about all views."""
+    every = [one for some in found.values() for one in some]
+    apart = {
+        "time": [one.ms / one.predicted_ms - 1 for one in every],
+        "time, paired": [one.ms / one.drift / one.predicted_ms - 1 for one in every],
+        "error": [one.error / one.predicted_error - 1 for one in every],
+    }
+    lines = [
+        f"{name}: off by {100 * np.median(np.abs(off)):.1f} % (median), {100 * np.mean(np.abs(off)):.1f} % (mean); {100 * np.median(off):+.1f} % all in all"
+        for name, off in apart.items()
+    ]
+    ratios = [worse(some) for some in found.values()]
+    for kind, text in (
+        ("error", "error of the choice within a budget over that of the best"),
+        ("ms", "time of the choice within an error over that of the best"),
+        ("overrun", "time of the choice over its budget"),
+    ):
+        some = np.array([x for one in ratios for x in one[kind]])
+        lines.append(
+            f"{text}: {np.median(some):.3f} (median), {some.mean():.3f} (mean), {np.quantile(some, 0.9):.3f} (9 of 10), {len(some)} targets"
+        )
+    return lines
+
+
+def main() -> None:
+    """Measure and say."""
+    parser = argparse.ArgumentParser(prog="python -m ssao_gl.planner.check", description=__doc__)
+    parser.add_argument("scenes", nargs="+", type=Path)
+    parser.add_argument("--size", default="1280x720")
+    parser.add_argument("--gl", default="auto")
+    parser.add_argument("--json", type=Path)
+    given = parser.parse_args()
+    w, h = map(int, given.size.split("x"))
+    found: dict[str, list[Outcome]] = {}
+    with Renderer(given.gl, keep=2) as renderer:
+        for scene, camera in views(given.scenes):
+            some = outcomes(renderer, scene, camera, (w, h))
+            found[some[0].view] = some
+            off = [100 * float(np.median([abs(x) for x in xs])) for xs in (
+                [one.ms / one.predicted_ms - 1 for one in some],
+                [one.ms / one.drift / one.predicted_ms - 1 for one in some],
+                [one.error / one.predicted_error - 1 for one in some],
+            )]  # fmt: skip
+            sys.stdout.write(
+                f"{some[0].view}: time off by {off[0]:.1f} %, paired {off[1]:.1f} %, error {off[2]:.1f} % (medians of {len(some)})\n"
+            )
+            sys.stdout.flush()
+            if given.json:
+                with written(given.json) as temporary:
+                    temporary.write_text(
+                        json.dumps([dataclasses.asdict(one) for every in found.values() for one in every], indent=1)
+                    )
+    sys.stdout.write("\n".join(summary(found)) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,127 @@
+"""What passes cost: a fixed part, a part for each pixel of the target, and a part for each pixel that is shaded."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..gl.frame import Drawn, drawn_rect
+from ..graph import Plan, Step
+
+DRAWN = ("gbuffer", "layer behind")
+"""Passes that draw the scene: their cost goes by its triangles too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """Millions of pixels: of the part of a target that a pass draws in, and those that it shades."""
+
+    area: float
+    shaded: float
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """Milliseconds: fixed, for a million pixels of the target, and for a million that are shaded."""
+
+    fixed: float
+    area: float
+    shaded: float
+
+    def ms(self, work: Work) -> float:
+        """What ``work`` costs."""
+        return self.fixed + self.area * work.area + self.shaded * work.shaded
+
+    def towards(self, other: Rate, share: float) -> Rate:
+        """On the line through this one (at 0) and another (at 1), but never below zero."""
+        pairs = zip((self.fixed, self.area, self.shaded), (other.fixed, other.area, other.shaded), strict=True)
+        return Rate(*(max(0.0, a + share * (b - a)) for a, b in pairs))
+
+
+Rates = Mapping[str, Rate]
+"""Pass -> its rate, of one candidate."""
+
+
+def work(step: Step, drawn: Drawn, covered: float) -> Work:
+    """Of one step. ``drawn``: which part of the frame is; covered: share of the image that is not background."""
+    every, part = (drawn_rect(step, drawn["inside"], covering) for covering in (None, drawn["covered"]))
+    whole, area = (1e-6 * w * h for w, h in (rect[2:] if rect else step.size for rect in (every, part)))
+    # What is shaded lies in the part that is drawn, however small that is.
+    return Work(area, min(area, whole * covered) if step.task.test else area)
+
+
+def works(plan: Plan, drawn: Drawn, covered: float) -> dict[str, Work]:
+    """Of every pass of a plan."""
+    return {step.task.name: work(step, drawn, covered) for step in plan.steps}
+
+
+def fitted(measured: Sequence[tuple[Work, float]]) -> Rate:
+    """The rate that explains some milliseconds best, relatively, without negative parts (by leaving out what would be)."""
+    ms = np.maximum([time for _, time in measured], 1e-4)
+    columns = np.array([(1.0, one.area, one.shaded) for one, _ in measured]) / ms[:, None]
+    kept = [0, 1, 2]
+    while True:
+        found = np.linalg.lstsq(columns[:, kept], np.ones(len(ms)), rcond=1e-6)[0]
+        if len(kept) == 1 or found.min() >= 0:
+            break
+        kept.pop(int(found.argmin()))
+    rate = np.zeros(3)
+    rate[kept] = np.maximum(found, 0)
+    return Rate(*map(float, rate))
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A frame of the view in question, timed, and how it compares with what the rates of its candidate say of it.
+
+    Passes of other candidates that are declared alike are taken to cost what they cost here; the others cost what their
+    rates say, times how much this frame's passes of their kind (the method's own, or the rest) cost against their rates.
+    That takes in how fast the machine is just now, how far taps reach and what is left out by content.
+    """
+
+    method: str
+    passes: Mapping[str, tuple[Step, float]]
+    """Name -> its declaration, and milliseconds."""
+    covered: float
+    method_factor: float
+    other_factor: float
+
+    @classmethod
+    def of(cls, plan: Plan, drawn: Drawn, method: str, ms: Mapping[str, float], covered: float, rates: Rates) -> Measured:
+        """``ms``: milliseconds by pass."""
+        known = {name: rates[name].ms(one) for name, one in works(plan, drawn, covered).items() if name in rates}
+
+        def factor(names: list[str]) -> float:
+            return sum(ms[name] for name in names) / max(sum(known[name] for name in names), 1e-6) if names else 1.0
+
+        own = [name for name in known if name == method]
+        passes = {step.task.name: (step, ms[step.task.name]) for step in plan.steps}
+        return cls(method, passes, covered, factor(own), factor([name for name in known if name != method]))
+
+    def beside(self, other: Measured) -> Measured:
+        """This frame, with the passes of another that it has not."""
+        return dataclasses.replace(self, passes={**other.passes, **self.passes})
+
+    def lacks(self, plan: Plan, rates: Rates) -> bool:
+        """Whether ``plan`` has passes of which neither this frame nor the rates of its candidate know anything."""
+        return not {step.task.name for step in plan.steps} <= {*self.passes, *rates}
+
+    def predict(self, plan: Plan, drawn: Drawn, method: str, rates: Rates) -> float:
+        """Milliseconds of a frame of ``plan``. ``rates``: of its candidate."""
+        total = 0.0
+        for step in plan.steps:
+            name = step.task.name
+            same, ms = self.passes.get(name, (None, 0.0))
+            if same is not None and name in DRAWN:
+                # Between a cost by triangles and one by pixels.
+                total += ms * (math.prod(step.size) / math.prod(same.size)) ** 0.5
+            elif same is not None and name != method and (step.task, step.size) == (same.task, same.size):
+                total += ms
+            elif name in rates:
+                factor = self.method_factor if name == method == self.method else self.other_factor
+                total += factor * rates[name].ms(work(step, drawn, self.covered))
+        return total

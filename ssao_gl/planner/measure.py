@@ -1,0 +1,166 @@
+"""Make ``errors.json``: ``python -m ssao_gl.planner.measure SCENE.glb [...] [--size WIDTHxHEIGHT ...] [-o FILE]``.
+
+Every camera of the camera file beside each scene, at each size and with some radii, is traced (kept in the cache of traced
+results) and drawn under every candidate: by the renderer, and by its depth alone. The weights are then fitted by
+least squares of relative errors, none negative. Of every candidate the line says how far predictions of scenes that took
+no part in the fit were off.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..adapters.camera_files import load_cameras
+from ..camera import Camera
+from ..files import written
+from ..pipeline import Settings
+from ..renderer import Renderer
+from ..scene import Scene
+from ..truth import Tracing, Truth, trace
+from ..truth.cache import default_folder
+from ..view import Size
+from .candidates import CANDIDATES, Candidate
+from .errors import SIGNS
+from .plan import Subject, look, of_arrays, of_scene
+from .signs import Signs
+
+RADII = (0.5, 1.0, 2.0)
+"""Of the camera file's."""
+SPP = 128
+
+
+@dataclass(frozen=True)
+class Row:
+    """What was measured of one view: its signs, and the RMSE of each candidate. ``layers``: that can be had."""
+
+    scene: str
+    layers: int
+    radius_factor: float
+    signs: Signs
+    rmse: Mapping[str, float]
+
+
+def views(paths: Sequence[Path]) -> Iterator[tuple[Scene, Camera]]:
+    """Every camera of the files beside some scenes."""
+    for path in paths:
+        scene = Scene.load(path)
+        for camera in load_cameras(path.with_suffix(".cam.json")):
+            yield scene, camera
+
+
+def measured(renderer: Renderer, scene: Scene, camera: Camera, size: Size, factor: float) -> list[Row]:
+    """The rows of one view: as a scene, and as depth alone."""
+    radius = factor * (camera.ao_radius or scene.default_radius())
+    given = Settings().with_radius(radius)
+    truth = trace(scene, camera, size, Tracing(radius=radius, spp=SPP), cache=default_folder())
+    depth = renderer.render(scene, camera, size, given, aovs=("depth",)).depth
+    subjects = of_scene(renderer, scene, camera, size, given, ("visibility",)), of_arrays(renderer, depth, camera, given)
+    return [_row(subject, scene.name, factor, truth, depth) for subject in subjects]
+
+
+def _row(subject: Subject, name: str, factor: float, truth: Truth, depth: NDArray[Any]) -> Row:
+    def settled(candidate: Candidate) -> Settings:
+        return Settings(method=candidate.made(subject.radius))
+
+    found = {
+        c.name: rmse(subject.draw(settled(c), 1, ("visibility",), 0).visibility, truth, depth)
+        for _, c in CANDIDATES.values()
+        if c.layers <= subject.layers
+    }
+    return Row(name, subject.layers, factor, look(subject, settled)[0], found)
+
+
+def rmse(visibility: NDArray[Any], truth: Truth, depth: NDArray[Any]) -> float:
+    """Where both rays and the rasteriser see a surface, without the noise of the rays. 0 where there is none."""
+    seen = (depth > 0) & truth.covered
+    if not seen.any():
+        return 0.0
+    square = float(np.square(visibility[seen].astype(float) - truth.visibility[seen]).mean())
+    return float(max(square - truth.noise**2, 0.0) ** 0.5)
+
+
+def fit(rows: Sequence[Row], name: str) -> NDArray[np.float64]:
+    """Weights of the signs for a candidate."""
+    from scipy.optimize import nnls
+
+    values, found = _values(rows), np.array([row.rmse[name] for row in rows])
+    weights: NDArray[np.float64] = nnls(values / found[:, None], np.ones(len(found)))[0]
+    return weights
+
+
+def off(rows: Sequence[Row], name: str) -> NDArray[np.float64]:
+    """How far off, relatively, the predictions of each scene are when it takes no part in the fit."""
+    misses = []
+    for scene in dict.fromkeys(row.scene for row in rows):
+        weights = fit([row for row in rows if row.scene != scene], name)
+        left = [row for row in rows if row.scene == scene]
+        misses += list(np.array([row.rmse[name] for row in left]) / np.maximum(_values(left) @ weights, 1e-4) - 1)
+    return np.abs(misses)
+
+
+def _values(rows: Sequence[Row]) -> NDArray[np.float64]:
+    return np.array([[getattr(row.signs, sign) for sign in SIGNS[row.layers]] for row in rows])
+
+
+def table(rows: Sequence[Row]) -> dict[str, Any]:
+    """The content of ``errors.json``."""
+    made: dict[str, Any] = {}
+    for layers, signs in SIGNS.items():
+        some = [row for row in rows if row.layers == layers]
+        made[str(layers)] = {
+            name: {
+                "weights": dict(zip(signs, (round(float(w), 4) for w in fit(some, name)), strict=True)),
+                "mean_rmse": round(float(np.mean([row.rmse[name] for row in some if row.radius_factor == 1])), 4),
+            }
+            for name in some[0].rmse
+        }
+    return made
+
+
+def main() -> None:
+    """Measure, fit, write."""
+    parser = argparse.ArgumentParser(prog="python -m ssao_gl.planner.measure", description=__doc__)
+    parser.add_argument("scenes", nargs="+", type=Path)
+    parser.add_argument("--size", nargs="+", default=["640x360", "1280x720"])
+    parser.add_argument("--rows", type=Path, help="where the rows are kept, to go on from")
+    parser.add_argument("-o", "--output", type=Path, default=Path(__file__).with_name("errors.json"))
+    given = parser.parse_args()
+    sizes = [tuple(map(int, text.split("x"))) for text in given.size]
+    kept = json.loads(given.rows.read_text()) if given.rows and given.rows.exists() else {}
+    with Renderer(keep=2 * len(CANDIDATES)) as renderer:
+        for scene, camera in views(given.scenes):
+            for w, h in sizes:
+                for factor in RADII if (w, h) == sizes[0] else (1.0,):
+                    label = f"{scene.name}:{camera.name} {w}x{h} radius x{factor:g}"
+                    if label not in kept:
+                        rows = measured(renderer, scene, camera, (w, h), factor)
+                        kept[label] = [dataclasses.asdict(row) for row in rows]
+                        sys.stdout.write(label + "\n")
+                        sys.stdout.flush()
+                        if given.rows:
+                            with written(given.rows) as temporary:
+                                temporary.write_text(json.dumps(kept))
+    every = [Row(**{**row, "signs": Signs(**row["signs"])}) for rows in kept.values() for row in rows]
+    with written(given.output) as temporary:
+        temporary.write_text(json.dumps(table(every), indent=1) + "\n")
+    for layers in SIGNS:
+        some = [row for row in every if row.layers == layers]
+        for name in some[0].rmse:
+            misses = off(some, name)
+            sys.stdout.write(
+                f"{layers} {name}: median {np.median(misses):.3f}, mean {misses.mean():.3f}, worst {misses.max():.2f}\n"
+            )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,200 @@
+"""From a view and a target to settings: probe the view, predict every candidate, choose."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..camera import Camera
+from ..errors import SettingsError
+from ..framing import framing
+from ..gl.frame import Drawn
+from ..graph import Plan
+from ..inputs import check_arrays, check_size, radius_of
+from ..passes.blur import Joint
+from ..picture import Picture
+from ..pipeline import EYE_DEPTH, Settings, plan_apply
+from ..scene import Scene
+from ..truth.cache import default_folder
+from ..view import Size
+from .calibration import calibrated, clock, rates_of
+from .candidates import CANDIDATES, PROBES, Candidate, chosen_from, differing
+from .choice import Choice, Prediction, Target, choose, times
+from .cost import Measured
+from .errors import predicted
+from .signs import Signs, signs
+
+if TYPE_CHECKING:
+    from ..renderer import Renderer
+
+SMALLER = 4
+"""How many times as wide as the pictures that signs are taken from the picture is."""
+
+ROUNDS = 3
+"""Frames of the view that are timed."""
+
+FINE, COARSE, DEEP = "bitmask high", "bitmask scale=1 steps=5", "bitmask ultra"
+"""Candidates whose small pictures signs are taken from."""
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is to be drawn: a scene, or somebody's depth."""
+
+    draw: Callable[[Settings, int, Sequence[str], int], Picture]
+    """With settings, so many times smaller, with some AOVs, timed so many times."""
+    plan: Callable[[Settings], tuple[Plan, Drawn]]
+    """What the frame of some settings is drawn by, and which part of it is drawn."""
+    camera: Camera
+    size: Size
+    radius: float
+    layers: int
+
+
+def plan(
+    renderer: Renderer,
+    scene: Scene,
+    camera: Camera | None,
+    size: Size,
+    target: Target,
+    settings: Settings | None = None,
+    *,
+    aovs: Sequence[str] = ("image", "visibility"),
+    cache: Path | None = None,
+) -> Choice:
+    """The settings to render ``scene`` with, so that frames meet ``target``. ``size`` is (width, height).
+
+    ``settings`` give what is not chosen: light, rules of leaving out, the radius; and the method, when it is not the default one.
+    ``cache``: the folder of calibrations, the platform's own by default. Draws some frames: once for each driver those of the
+    calibration (seconds), and of the view a few small ones and four of full size under cheap settings.
+    Raises SettingsError when nothing is predicted to meet the target, and for settings that the planner would overrule.
+    """
+    check_size(size)
+    given = _template(settings)
+    camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
+    return _planned(renderer, of_scene(renderer, scene, camera, size, given, aovs), target, given, aovs, cache)
+
+
+def plan_arrays(
+    renderer: Renderer,
+    depth: NDArray[Any],
+    camera: Camera,
+    target: Target,
+    settings: Settings | None = None,
+    *,
+    color: NDArray[Any] | None = None,
+    normals: NDArray[Any] | None = None,
+    depth_kind: str = EYE_DEPTH,
+    cache: Path | None = None,
+) -> Choice:
+    """The same for :meth:`ssao_gl.Renderer.apply`, whose arrays these are. Raises FormatError for shapes that do not fit."""
+    given = _template(settings)
+    subject = of_arrays(renderer, depth, camera, given, color=color, normals=normals, depth_kind=depth_kind)
+    return _planned(renderer, subject, target, given, ("visibility", "depth", "normal"), cache)
+
+
+def of_scene(renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings, aovs: Sequence[str]) -> Subject:
+    """A scene to be rendered."""
+
+    def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
+        return renderer.render(scene, camera, _smaller(size, smaller), one, aovs=wanted, timed=timed)
+
+    radius = settings.method.radius or camera.ao_radius or scene.default_radius()
+
+    def framed(one: Settings) -> tuple[Plan, Drawn]:
+        made = framing(scene, camera, size, one, renderer.ctx.max_size)
+        return made.plan(aovs), made.drawn
+
+    return Subject(draw, framed, camera, size, radius, layers=2)
+
+
+def of_arrays(
+    renderer: Renderer,
+    depth: NDArray[Any],
+    camera: Camera,
+    settings: Settings,
+    *,
+    color: NDArray[Any] | None = None,
+    normals: NDArray[Any] | None = None,
+    depth_kind: str = EYE_DEPTH,
+) -> Subject:
+    """Arrays that occlusion is applied to. Raises FormatError for shapes that do not fit."""
+    depth, color, normals = check_arrays(depth, color, normals)
+    size = (depth.shape[1], depth.shape[0])
+    outputs = ("visibility", "z", "normal", *(("image",) if color is not None else ()))
+
+    def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
+        every = smaller if min(size) >= smaller else 1
+        d, c, n = (None if a is None else np.ascontiguousarray(a[::every, ::every]) for a in (depth, color, normals))
+        return renderer.apply(d, camera, color=c, normals=n, depth_kind=depth_kind, settings=one, aovs=wanted, timed=timed)  # type: ignore[arg-type]
+
+    def framed(one: Settings) -> tuple[Plan, Drawn]:
+        made = plan_apply(one, size, depth=depth_kind, normals=normals is not None, outputs=outputs)
+        return made, Drawn(inside=None, covered=None)
+
+    radius = settings.method.radius or camera.ao_radius or radius_of(depth, camera, depth_kind)
+    return Subject(draw, framed, camera, size, radius, layers=1)
+
+
+def _template(settings: Settings | None) -> Settings:
+    """Raises SettingsError for what the planner would overrule, or knows nothing of."""
+    given = settings or Settings()
+    chosen = differing(given.method)
+    if chosen:
+        raise SettingsError(f"the planner chooses the settings of {given.method.name} itself: leave out {', '.join(chosen)}")
+    if given.blur != Joint():
+        raise SettingsError("the planner knows its errors under the filter 'joint' as shipped: leave blur out")
+    if given.normals != "geometric":
+        raise SettingsError("the planner knows its errors for geometric normals: leave normals out")
+    return given
+
+
+def _smaller(size: Size, factor: int) -> Size:
+    return max(1, size[0] // factor), max(1, size[1] // factor)
+
+
+def _planned(
+    renderer: Renderer, subject: Subject, target: Target, given: Settings, aovs: Sequence[str], cache: Path | None
+) -> Choice:
+    ends = calibrated(renderer.ctx, cache or default_folder())
+    by, default = clock(renderer.ctx), Settings().method.name
+    names = [] if given.method.name == default else [given.method.name]
+    candidates = chosen_from(names, subject.layers)
+
+    def settled(candidate: Candidate) -> Settings:
+        return dataclasses.replace(given, method=candidate.made(subject.radius))
+
+    def timed(candidate: Candidate) -> Measured:
+        ms = times(subject.draw(settled(candidate), 1, aovs, ROUNDS).report["passes"], by)
+        return Measured.of(*subject.plan(settled(candidate)), candidate.method, ms, covered, rates_of(candidate, ends))
+
+    shown, covered = look(subject, settled)
+    usual, other = timed(CANDIDATES[PROBES[given.method.name][subject.layers - 1]][1]), None
+    predictions = []
+    for candidate in candidates:
+        framed, rates = subject.plan(settled(candidate)), rates_of(candidate, ends)
+        if usual.lacks(framed[0], rates):  # what is left out by content at full size alone
+            other = other or timed(candidate).beside(usual)
+        frame = other if other and usual.lacks(framed[0], rates) else usual
+        ms = frame.predict(*framed, candidate.method, rates)
+        predictions.append(Prediction(candidate.name, ms, predicted(candidate.name, shown, subject.layers)))
+    found = choose(predictions, target)
+    considered = tuple(sorted(predictions, key=lambda p: p.ms))
+    return Choice(settled(CANDIDATES[found.name][1]), target, found, considered, by)
+
+
+def look(subject: Subject, settled: Callable[[Candidate], Settings]) -> tuple[Signs, float]:
+    """What small pictures of a view show, and the share of it that is not background."""
+    looks = [FINE, COARSE, *([DEEP] if subject.layers > 1 else [])]
+    wanted = ("visibility", "depth", "normal")
+    drawn = [subject.draw(settled(CANDIDATES[name][1]), SMALLER, wanted, 0) for name in looks]
+    depth, normals = drawn[0].depth, drawn[0].normal
+    fine, coarse, *deep = (picture.visibility for picture in drawn)
+    view = subject.camera.view((depth.shape[1], depth.shape[0]))
+    return signs(fine, coarse, deep[0] if deep else None, depth, normals, view, subject.radius), float((depth > 0).mean())
