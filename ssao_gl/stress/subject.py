@@ -16,8 +16,9 @@ from ..settings import assign, limits
 from .shot import Shot
 
 DEFAULT = "default"
-AFFORDABLE = {"slices": 4, "max_steps": 128}
-"""Exhaustive methods are cut to this much work a pixel: what may go wrong goes wrong in every slice and step."""
+EXHAUSTIVE = {"slices": (16, 2), "max_steps": (512, 64)}
+"""Settings that make a method exhaustive when they are above a number, and what they are cut to: what may go wrong goes wrong
+in every slice and step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,5 +86,5 @@ def _presets(name: str) -> Mapping[str, Mapping[str, Any]]:
 
 
 def _affordable(record: Any) -> Any:
-    cut = {name: top for name, top in AFFORDABLE.items() if getattr(record, name, 0) > top}
+    cut = {name: less for name, (top, less) in EXHAUSTIVE.items() if getattr(record, name, 0) > top}
     return dataclasses.replace(record, **cut)

@@ -45,12 +45,12 @@ def largest(lab: Lab) -> float:
     """A pattern across the largest image that the driver draws looks the same at both ends: no coordinate runs out of bits."""
     w = min(lab.renderer.ctx.max_size, 65536)
     worst = 0.0
-    for size in ((w, 8), (8, w)):
+    for size in ((w, 4), (4, w)):
         camera = Camera.orthographic(4.0 * size[1] / 64, 0.0, 40.0)  # a pixel is 1/16 unit
         y, x = np.mgrid[: size[1], : size[0]]
         depth = 5 + 0.25 * ((x // 8 + y // 8) % 2)
         seen = lab.apply(depth, camera, radius=0.5).visibility
-        if size[0] == 8:
+        if size[0] == 4:
             seen = seen.T[:, ::-1]  # noise tiles are counted from the lower left
         worst = max(worst, share(seen[:, 64:128], seen[:, w - 128 : w - 64]))
     return worst
