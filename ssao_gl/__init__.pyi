@@ -12,6 +12,7 @@ from .methods.lecture import Lecture
 from .passes.blur import Joint, LectureBlur, Separable
 from .picture import Picture
 from .pipeline import Settings, Shading
+from .planner import Choice, Target, plan
 from .renderer import Renderer
 from .scene import Draw, Scene
 
@@ -19,6 +20,7 @@ __all__ = [
     "Alchemy",
     "Bitmask",
     "Camera",
+    "Choice",
     "ContextError",
     "Difference",
     "Draw",
@@ -40,6 +42,7 @@ __all__ = [
     "ShaderError",
     "Shading",
     "SsaoError",
+    "Target",
     "apply",
     "compare",
     "gl",
@@ -48,6 +51,7 @@ __all__ = [
     "multiply",
     "normals_from_depth",
     "occlusion",
+    "plan",
     "register",
     "registry",
     "render",

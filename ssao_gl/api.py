@@ -69,18 +69,21 @@ def render(
     shading: Shading | None = None,
     aovs: tuple[str, ...] = ("image", "visibility"),
     provider: str | Context = "auto",
+    budget_ms: float | None = None,
+    max_error: float | None = None,
 ) -> Picture:
     """Draw a scene with ambient occlusion, headless.
 
     scene: a path, a :class:`Scene`, a ``trimesh`` mesh or scene, or a ``pyrender.Scene``. camera: a :class:`Camera`, a camera
     file, or None for the scene's own or an automatic one. size: (width, height) in pixels. aovs: any of image,
-    visibility, depth, normal, color.
+    visibility, depth, normal, color. budget_ms, max_error: method and options are chosen; see :func:`ssao_gl.plan`.
     """
     drawn = as_scene(scene)
     with Renderer(provider) as renderer:
         return renderer.render(
-            drawn, None if camera is None else as_camera(camera), size, settings_of(method, blur, shading), aovs=aovs
-        )
+            drawn, None if camera is None else as_camera(camera), size, settings_of(method, blur, shading), aovs=aovs,
+            budget_ms=budget_ms, max_error=max_error,
+        )  # fmt: skip
 
 
 def apply(

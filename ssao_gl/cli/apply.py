@@ -16,6 +16,7 @@ from ..errors import FormatError, SettingsError
 from ..renderer import Renderer
 from .options import GlOption, JsonOption, LookOptions, angle
 from .output import check_json, check_output, say, write_json
+from .planning import PlanOptions, compared
 
 Array = NDArray[Any]
 
@@ -57,6 +58,7 @@ def apply(
     gl: GlOption = "auto",
     json: JsonOption = None,
     look: LookOptions = LookOptions(),
+    goal: PlanOptions = PlanOptions(),
 ) -> int:
     """Dim a picture by the occlusion of its depth.
 
@@ -66,6 +68,7 @@ def apply(
         sRGB picture of the same size. Without it only visibility is made.
     """
     settings = look.settings()
+    goal.target(look)  # is checked before anything is read
     if not 0 <= strength <= 1:
         raise SettingsError(f"--strength {strength:g}: must be 0 to 1")
     settings = type(settings)(method=settings.method, blur=settings.blur, shading=type(settings.shading)(ambient=strength))
@@ -76,8 +79,9 @@ def apply(
     camera = _camera((w, h), yfov_deg, intrinsics, ortho, znear, zfar)
     with Renderer(gl) as renderer:
         picture = renderer.apply(
-            seen, camera, color=picked, normals=normal, depth_kind=depth_kind, settings=settings, timed=5 if json else 0
-        )
+            seen, camera, color=picked, normals=normal, depth_kind=depth_kind, settings=settings, timed=5 if json else 0,
+            budget_ms=goal.budget_ms, max_error=goal.max_error,
+        )  # fmt: skip
     if aov is None and output.suffix.lower() == ".png":
         aov = "image" if color else "visibility"
     paths = picture.save(output, aov=aov)
@@ -86,6 +90,8 @@ def apply(
     method = picture.report["settings"]["method"]
     where = paths[0] if len(paths) == 1 else output
     say(f"{where}: {w}x{h}, {method}, {picture.report['provider']} ({picture.report['renderer']})", json)
+    if "planned" in picture.report:
+        say(compared(picture.report["planned"]), json)
     return 0
 
 

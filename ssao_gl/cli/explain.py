@@ -9,6 +9,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from .. import planner
 from ..errors import SettingsError, near_miss
 from ..framing import framing
 from ..leftout import memory, rules
@@ -22,6 +23,7 @@ from ..tiles import USUAL_LIMIT, layout, unguarded
 from .explained import Explained
 from .options import GlOption, LookOptions, ViewOptions
 from .output import say, table
+from .planning import PlanOptions, drawn_at_once, listed, tell
 from .tiling import TileOption
 
 
@@ -39,8 +41,11 @@ def explain(
     json: Annotated[bool, Parameter(name="--json", negative="", help="As JSON.")] = False,
     view: ViewOptions = ViewOptions(),
     look: LookOptions = LookOptions(),
+    goal: PlanOptions = PlanOptions(),
 ) -> int:
-    """Print the plan of a render: passes, formats, sizes, slots, memory, and what was left out and why. Draws nothing without --measure.
+    """Print the plan of a render: passes, formats, sizes, slots, memory, and what was left out and why.
+
+    Draws nothing without --measure, --budget-ms or --max-error; the last two also list everything that was considered.
 
     Parameters
     ----------
@@ -49,11 +54,16 @@ def explain(
     """
     if rounds < 1:
         raise SettingsError(f"--rounds {rounds}: must be at least 1")
-    settings, size = look.settings(), view.pixels()
+    settings, target, size = look.settings(), goal.target(look), view.pixels()
     loaded = view.load(scene)
     camera = view.choose(loaded)
-    made = framing(loaded, camera, size, settings, USUAL_LIMIT)
     aovs = tuple(part.strip() for part in aov.split(","))
+    made, choice = framing(loaded, camera, size, settings, USUAL_LIMIT), None
+    if target:
+        drawn_at_once(target, layout(loaded, camera, size, made.settings, aovs, tile=tile))
+        with Renderer(gl) as renderer:
+            choice = planner.plan(renderer, loaded, camera, size, target, settings, aovs=aovs)
+        made = framing(loaded, camera, size, choice.settings, USUAL_LIMIT)
     cut = layout(loaded, camera, size, made.settings, aovs, tile=tile)
     if cut and measure:
         raise SettingsError("--measure: a picture in tiles is not drawn at once; choose a smaller --size, and no --tile")
@@ -66,7 +76,7 @@ def explain(
             found = dataclasses.replace(found, savings=measured, where=f"{renderer.ctx.provider}, {renderer.ctx.renderer}")
     subject = {"scene": loaded.name, "triangles": loaded.triangles, "camera": camera.name, "settings": made.settings.table()}
     if json:
-        say(json_module.dumps(subject | found.table(), indent=1))
+        say(json_module.dumps(subject | found.table() | ({"planned": listed(choice)} if choice else {}), indent=1))
         return 0
     method = made.settings.method
     say(f"{loaded.name}: {loaded.triangles:,} triangles in {len(loaded.draws)} meshes, camera {camera.name or 'automatic'}")
@@ -74,6 +84,8 @@ def explain(
     if cut:
         say(f"{size[0]}x{size[1]} in {cut.describe()}; the plan of the largest:")
     found.tell(rounds)
+    if choice:
+        tell(choice)
     return 0
 
 

@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 from cyclopts import Parameter
 
-from .. import images
+from .. import images, planner
 from ..camera import Camera
 from ..errors import FormatError, SettingsError
 from ..files import claimed, make_folder
@@ -23,6 +23,7 @@ from ..tiled import Job
 from ..tiles import layout
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, progress, say, write_json
+from .planning import PlanOptions, compared, drawn_at_once
 from .tiling import TileOption, draw_tiles, summary
 
 ANIMATIONS = (".gif", ".webp", ".apng")
@@ -58,6 +59,7 @@ def render(
     json: JsonOption = None,
     view: ViewOptions = ViewOptions(),
     look: LookOptions = LookOptions(),
+    goal: PlanOptions = PlanOptions(),
 ) -> int:
     """Render a scene file with ambient occlusion.
 
@@ -66,7 +68,7 @@ def render(
     scene
         GLB, glTF, OBJ, PLY, STL, OFF or another format of trimesh. Without it: the embedded scene.
     """
-    settings = look.settings()
+    settings, target = look.settings(), goal.target(look)
     size = view.pixels()
     aovs = _aovs(aov, output, turntable)
     _check_output(output, turntable, bits)
@@ -78,17 +80,23 @@ def render(
     camera = view.choose(loaded)
     with Renderer(gl) as renderer:
         if turntable:
+            if target:
+                settings = planner.plan(renderer, loaded, camera, size, target, settings, aovs=aovs).settings
             _turn(renderer, loaded, camera, size, settings, aovs, output, turntable)
             return 0
         settled = settings.with_radius(camera.ao_radius or loaded.default_radius())
         cut = layout(loaded, camera, size, settled, aovs, tile=tile, limit=renderer.ctx.max_size)
+        drawn_at_once(target, cut)
         if cut is not None:
             job = Job(scene=loaded, camera=camera, size=size, settings=settled, aovs=aovs, layout=cut, output=output, bits=bits)
             report = draw_tiles(renderer, job, json)
             if json:
                 write_json(json, report)
             return 0
-        picture = renderer.render(loaded, camera, size, settings, aovs=aovs, timed=TIMED_FRAMES if json else 0)
+        picture = renderer.render(
+            loaded, camera, size, settings, aovs=aovs, timed=TIMED_FRAMES if json else 0,
+            budget_ms=goal.budget_ms, max_error=goal.max_error,
+        )  # fmt: skip
     _save(picture, output, bits, json)
     if json:
         write_json(json, picture.report)
@@ -129,6 +137,8 @@ def _check_output(output: Path, turntable: int, bits: int) -> None:
 def _save(picture: Picture, output: Path, bits: int, json: Path | None) -> None:
     aov = next(iter(picture.arrays)) if len(picture.arrays) == 1 else None
     say(summary(output, picture.save(output, aov=aov, bits=bits), picture.report), json)
+    if "planned" in picture.report:
+        say(compared(picture.report["planned"]), json)
 
 
 def _turn(

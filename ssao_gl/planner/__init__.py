@@ -5,7 +5,7 @@ view itself; what it lacks to rays, from what small pictures of the view show (:
 measured once and are shipped (:mod:`.errors`). See :func:`plan` and :func:`plan_arrays`.
 """
 
-from .choice import Choice, Prediction, Target
+from .choice import CLOCKS, Choice, Prediction, Target
 from .plan import ROUNDS, plan, plan_arrays
 
-__all__ = ["ROUNDS", "Choice", "Prediction", "Target", "plan", "plan_arrays"]
+__all__ = ["CLOCKS", "ROUNDS", "Choice", "Prediction", "Target", "plan", "plan_arrays"]

@@ -36,7 +36,7 @@ from .cost import DRAWN, Rate, Rates, Work, fitted, works
 VERSION = 1
 """Part of every key: raised whenever the same driver would be probed in another way."""
 
-SOFTWARE_SIZES: tuple[Size, Size] = ((256, 144), (640, 360))
+SOFTWARE_SIZES: tuple[Size, Size] = ((240, 135), (480, 270))
 GPU_SIZES: tuple[Size, Size] = ((640, 360), (1920, 1080))
 ROUNDS = 3
 
@@ -110,7 +110,7 @@ def _alike(task: str, settings: Settings) -> tuple[Any, ...]:
 
 CELLS: Size = (160, 90)
 RADIUS = 4.0
-"""Cells: about 24 pixels of the larger image."""
+"""Cells: 15 to 20 pixels of images that show it whole."""
 
 
 def rough() -> Scene:
