@@ -80,6 +80,14 @@ def report(
     scaling: Annotated[
         bool, Parameter(group="Sweep", negative="", help="Also time against pixels (0.06 to 8 million), taps and radius.")
     ] = False,
+    rules: Annotated[
+        bool | None,
+        Parameter(
+            group="Sweep",
+            show_default=False,
+            help="Also draw with the rules of leaving out on and off: times, shares, differences. [default: for up to 6 views]",
+        ),
+    ] = None,
     compare: Annotated[
         Path | None,
         _option("An earlier results.json: what got better or worse. In place of scenes: a newer one.", "Gate", "--compare"),
@@ -102,6 +110,8 @@ def report(
     """
     from ..report.machine import check_packages, code, machine
     from ..report.results import load, results
+    from ..report.rules import MOST_VIEWS
+    from ..savings import FRAMES
 
     before = load(compare) if compare else None
     if before is not None and [path.suffix.lower() for path in scenes] == [".json"]:
@@ -122,13 +132,14 @@ def report(
         fit=fitting_scenes(fit, seen),
         split=_split_size(reference_size, sizes[0]) if falloff == Falloff.HARD and not no_reference else None,
         scaling=scaling,
+        rules=len(seen) <= MOST_VIEWS if rules is None else rules,
     )
     from ..report.journal import Journal
     from ..report.machine import now
     from ..report.run import Run
     from ..report.write import write
 
-    with Renderer(gl, keep=len({variant.method for variant in chosen}) + 3) as renderer:
+    with Renderer(gl, keep=len({variant.method for variant in chosen}) + FRAMES) as renderer:
         facts = machine(renderer.ctx)
         with Journal(output, sweep.header(facts, code()), sweep.contents) as journal:
             with _bar() as progress:

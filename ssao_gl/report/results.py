@@ -17,7 +17,7 @@ from .points import MEDIAN, constants, hypervolume, points, size_text
 from .sweep import BUDGETS, LIMITS, Sweep
 
 FORMAT = "ssao_gl report 1"
-KINDS = ("view", "shipped", "rays", "fitted", "split", "scaling")
+KINDS = ("view", "shipped", "rays", "fitted", "split", "scaling", "rules")
 
 Results = dict[str, Any]
 
@@ -38,6 +38,7 @@ def results(sweep: Sweep, journal: Journal, machine: Mapping[str, Any], made: st
     found_fits = fits(sweep, journal)
     keys = {label: scalars.key for label, (scalars, _) in found_fits.items()}
     rows["fitted"] = [row for row in rows["fitted"] if row["at"] == keys.get(row["variant"])]
+    rows["rules"] = rows["rules"] if sweep.rules else []
     rows["split"] = [row for row in rows["split"] if sweep.split and row["at"] == size_text(sweep.split)]
     _borrow_yardstick(rows)
     scenes = list(dict.fromkeys(view.scene for view in sweep.views))

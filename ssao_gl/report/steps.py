@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import pictures, shipped
+from . import pictures, rules, shipped
 from .fit import Scalars
 from .fitting import fitting_views, gather_levels
 from .journal import Journal
@@ -49,6 +49,8 @@ class Steps:
             made.append(self._split(view, self.sweep.split))
         if view in fitting_views(self.sweep):
             made.append(self._levels(view))
+        if self.sweep.rules:
+            made.append(self._rules(view))
         return [step for step in made if step is not None]
 
     def fitted(self, view: View, found: Mapping[str, Scalars]) -> list[Step]:
@@ -160,6 +162,15 @@ class Steps:
                 tell((number + 1) / len(missing))
 
         return Step(view, "fit", _million(view) * 3 * len(missing), work) if missing else None
+
+    def _rules(self, view: View) -> Step | None:
+        if self.journal.find("rules", view.name):
+            return None
+
+        def work(setup: Setup, tell: Tell) -> None:
+            self.journal.add("rules", view.name, rules=rules.measure(setup, self.sweep.rounds, tell))
+
+        return Step(view, "rules of leaving out", 20 * _million(view), work)
 
     def _picture(self, view: View, setup: Setup, label: str, visibility: shipped.F32) -> None:
         if view.name in self.shown:

@@ -43,6 +43,8 @@ class Sweep:
     split: Size | None = None
     """Size at which errors are split into model, sampling and filter; None: not at all."""
     scaling: bool = False
+    rules: bool = False
+    """Whether the rules of leaving out are measured, each on and off."""
 
     @property
     def contents(self) -> dict[str, str]:

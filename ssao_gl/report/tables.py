@@ -70,7 +70,7 @@ def tables(found: Mapping[str, Any]) -> list[Table]:
         made += [_methods(at), _equal_time(found, at), _equal_error(found, at), _hypervolume(at)]
         made += [_fitted(found, at)] if at["fitted_held_out"] else []
         made += [_passes(at, found)]
-    made += [_split(found), _scaling(found), _views(found), _truth(found), _refused(found)]
+    made += [_split(found), _rules(found), _scaling(found), _views(found), _truth(found), _refused(found)]
     return [table for table in made if table.rows]
 
 
@@ -196,6 +196,28 @@ def _scaling(found: Mapping[str, Any]) -> Table:
     )  # fmt: skip
     note = "Time ~ size^exponent, least squares of logarithms, on the first view; 1 is linear, 0 is no dependence."
     return Table("Scaling", note, columns, exponents(found["rows"]["scaling"]))
+
+
+def _rules(found: Mapping[str, Any]) -> Table:
+    keys = ("rule", "off", "on", "ratio", "cpu_ratio", "pixels", "taps", "difference", "bound")
+    rows = [
+        [row["view"], one["label"], *(one[key] for key in keys)]
+        for row in found["rows"].get("rules", [])
+        for one in row["rules"]
+    ]
+    columns = (
+        Column("view"), Column("settings"), Column("rule", "", "all: every rule against none"),
+        Column("ms without", ".1f", "all passes after the G-buffer, the rule switched off"), Column("ms with", ".1f"),
+        Column("× time", ".2f", "with / without, median over rounds"), Column("× by CPU", ".2f"),
+        Column("pixels", ".1%", "still to be shaded"), Column("taps", ".1%", "still to be taken in the method's own pass"),
+        Column("difference", ".3g", "largest, of visibility and of the picture, in 1/255"),
+        Column("bound", ".3g", "the most that it can be, in 1/255"),
+    )  # fmt: skip
+    note = (
+        "The default method with each rule of leaving out on and off, in rounds in which all take turns. A rule that is not listed"
+        " is not in force there; `ssao-gl explain` says why. Without a bound the difference is only measured."
+    )
+    return Table("What was left out", note, columns, rows)
 
 
 def _views(found: Mapping[str, Any]) -> Table:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from ssao_gl.cli import main
+from ssao_gl.report.rules import SUBJECTS
 from ssao_gl.report.run import Run
 
 pytest.importorskip("embreex")
@@ -69,6 +70,21 @@ def test_errors_are_sound(folder: Path) -> None:
     assert error["alchemy low"] < error["constant mean"]
     fitted = {point["label"]: point["errors"]["rmse"] for point in at["fitted_held_out"]}
     assert fitted["alchemy low"] <= error["alchemy low"] + 1e-3  # one scene: it is fitted where it is measured
+
+
+def test_rules_are_shown_on_and_off(folder: Path) -> None:
+    """Where there are few views, without being asked for."""
+    results = json.loads((folder / "results.json").read_text())
+    (row,) = results["rows"]["rules"]
+    assert {one["label"] for one in row["rules"]} == set(SUBJECTS)
+    assert {one["rule"] for one in row["rules"]} >= {"background", "adaptive", "all"}
+    for one in row["rules"]:
+        assert 0 < one["pixels"] <= 1 and one["on"] > 0 and one["off"] > 0
+        assert one["bound"] is None or one["difference"] <= one["bound"] == 0
+    assert (
+        "## What was left out" in (folder / "report.md").read_text()
+        and "What was left out" in (folder / "report.html").read_text()
+    )
 
 
 def test_the_page_needs_nothing_else(folder: Path) -> None:
