@@ -53,7 +53,7 @@ def test_without_arguments(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     with Image.open("ssao.png") as image:
         assert image.size == (1280, 720) and image.mode == "RGB"
         shown = json.loads(image.info["ssao_gl:settings"])
-    assert shown["method"] == "alchemy" and shown["alchemy"]["radius"] > 0
+    assert shown["method"] == "bitmask" and shown["bitmask"]["radius"] > 0
 
 
 def test_one_file_by_suffix(run: Any) -> None:

@@ -30,14 +30,18 @@ CHANGED = {"reference": {"slices": 8}, "sao": {"intensity": 0.5}, "gtao": {"powe
 differ by at the edges of triangles (1.0 % of the values by more than 2/255) would be all that the picture tests."""
 
 
-def method(name: str) -> Any:
-    return dataclasses.replace(ao.method(name), **CHANGED.get(name, {}))
+RAW = {"bitmask": {"scale": 1}}
+"""Without a filter the method alone is tested, not how its noise is enlarged."""
+
+
+def method(name: str, raw: bool = False) -> Any:
+    return dataclasses.replace(ao.method(name), **CHANGED.get(name, {}), **(RAW.get(name, {}) if raw else {}))
 
 
 CASES: dict[str, tuple[ao.Settings, str]] = {
     "default": (ao.Settings(), "image"),
     **{f"method-{name}": (ao.Settings(method=method(name)), "visibility") for name in ao.registry()},
-    **{f"raw-{name}": (ao.Settings(method=method(name), blur=None), "visibility") for name in ao.registry()},
+    **{f"raw-{name}": (ao.Settings(method=method(name, raw=True), blur=None), "visibility") for name in ao.registry()},
     **{f"blur-{name}": (ao.Settings(blur=kind()), "visibility") for name, kind in BLURS.items()},
 }
 
