@@ -11,6 +11,11 @@
 #include "lib/falloff.glsl"
 #endif
 
+// Few taps are written out one by one, which software renderers run a third faster; many would take them minutes to compile.
+#if SLICES * STEPS > 32
+#define LOOPS
+#endif
+
 uniform sampler2D u_z;
 #ifdef SECOND_LAYER
 uniform sampler2D u_z2;
@@ -117,8 +122,18 @@ vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
 #endif
     vec4 plus = vec4(0.0), minus = vec4(0.0);
     uint bits = 0u;
+#ifdef LOOPS
+    for (int k = 0; k < STEPS; k++) bits |= ssao_step(w, float(k), plus, minus);
+#else
 #repeat STEPS bits |= ssao_step(w, float(@), plus, minus);
+#endif
     return vec2(1.0 - ssao_count(bits) / 32.0, 1.0) * w.slice.weight;
+}
+
+// One slice more, and on to the direction of the next.
+void ssao_turn(SsaoPixel pixel, vec3 p, vec3 v, float offset, inout vec2 turn, inout vec2 sum) {
+    sum += ssao_sweep(pixel, p, v, turn, offset);
+    turn = mat2(u_next_slice, -u_next_slice.y, u_next_slice.x) * turn;
 }
 
 void main() {
@@ -128,6 +143,10 @@ void main() {
     vec4 noise = SAMPLE(u_noise, gl_FragCoord.xy / u_noise_width);
     vec2 turn = noise.xy;
     vec2 sum = vec2(0.0);
-#repeat SLICES sum += ssao_sweep(pixel, p, v, turn, noise.z); turn = mat2(u_next_slice, -u_next_slice.y, u_next_slice.x) * turn;
+#ifdef LOOPS
+    for (int i = 0; i < SLICES; i++) ssao_turn(pixel, p, v, noise.z, turn, sum);
+#else
+#repeat SLICES ssao_turn(pixel, p, v, noise.z, turn, sum);
+#endif
     ssao_write(sum.x / max(sum.y, 1e-6), pixel.z);
 }
