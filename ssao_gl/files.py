@@ -52,7 +52,7 @@ def written(path: Path) -> Iterator[Path]:
     try:
         temporary, handle = _claim(path)
     except OSError as error:
-        raise FormatError(f"cannot write {path}: {error.strerror or error}") from None
+        raise _refused(path, error) from None
     try:
         try:
             yield temporary
@@ -61,7 +61,7 @@ def written(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
             raise
     except OSError as error:
-        raise FormatError(f"cannot write {path}: {error.strerror or error}") from None
+        raise _refused(path, error) from None
     except (ValueError, struct.error) as error:  # encoders say so that a picture is too large for their format
         raise FormatError(f"cannot write {path}: {error}") from error
     finally:
@@ -84,6 +84,11 @@ def claimed(folder: Path) -> Iterator[None]:
         yield
     finally:
         os.close(handle)
+
+
+def _refused(path: Path, error: OSError) -> FormatError:
+    """numpy says only how much it could not write."""
+    return FormatError(f"cannot write {path}: {error.strerror or f'{error}; is the disk full?'}")
 
 
 def _temporary(path: Path, mark: str = "") -> Path:

@@ -7,19 +7,26 @@ import sys
 from pathlib import Path
 
 from .errors import ContextError
+from .view import Size
 
 if sys.platform != "win32":
     import resource
 
+READ_BACK = 32
+"""Bytes a pixel of the arrays that come back, and of what is made on the way."""
+DRIVER = 64 << 20
+"""Bytes that a software renderer takes for itself while it draws."""
+
 GROUP = Path("/sys/fs/cgroup")
 
 
-def check_room(need: int, what: str) -> None:
-    """Raise ContextError when ``what`` takes more bytes than there are."""
-    have = free()
+def check_room(targets: int, size: Size) -> None:
+    """Raise ContextError when a frame of ``size`` whose targets take so many bytes does not fit into what is free."""
+    need, have = targets + READ_BACK * size[0] * size[1] + DRIVER, free()
     if need > have:
         raise ContextError(
-            f"{what} takes {need / 2**20:.0f} MiB of memory, but {have / 2**20:.0f} MiB are free; draw a smaller one, or in tiles"
+            f"a frame of {size[0]}x{size[1]} takes {need / 2**20:.0f} MiB of memory, but {have / 2**20:.0f} MiB are free;"
+            " draw a smaller one, or in tiles"
         )
 
 
