@@ -197,18 +197,28 @@ def compile(
         done += [task.depth] if task.depth is not None and task.depth not in last else []
         free += [where[name] for name in done]
 
-    culled, saved = dict(notes or {}), {}
+    culled, saved = _culled(passes, steps, frame)
+    return Plan(
+        frame, tuple(inputs), tuple(outputs), tuple(steps), tuple(slots), where, {**(notes or {}), **culled}, unshared, saved
+    )
+
+
+def _culled(passes: Iterable[Pass], steps: Sequence[Step], frame: tuple[int, int]) -> tuple[dict[str, str], dict[str, int]]:
+    """What was left out, passes and then targets of those that stay: name -> reason, name -> bytes."""
+    culled, saved = {}, {}
+    run = [step.task for step in steps]
     for task in passes:
-        if task not in order:
+        if task not in run:
+            scale = next(iter(task.writes.values())).scale
+            targets = [*task.writes.values(), *([Tex(DEPTH, scale)] if task.depth else [])]
             culled[task.name] = "nothing wants what it writes"
-            targets = [*task.writes.values(), *([Tex(DEPTH, next(iter(task.writes.values())).scale)] if task.depth else [])]
             saved[task.name] = sum(Slot(tex.format, tex.size(frame)).bytes for tex in targets)
     for step in steps:
         for name in step.task.writes:
             if name not in step.writes:
                 culled[name] = f"nothing reads it, so {step.task.name} does not write it"
                 saved[name] = Slot(step.task.writes[name].format, step.size).bytes
-    return Plan(frame, tuple(inputs), tuple(outputs), tuple(steps), tuple(slots), where, culled, unshared, saved)
+    return culled, saved
 
 
 def _check_over(task: Pass, name: str, under: str, slot: Slot, size: tuple[int, int], read_later: bool) -> None:

@@ -69,20 +69,16 @@ def explain(
         raise SettingsError("--measure: a picture in tiles is not drawn at once; choose a smaller --size, and no --tile")
     settings, outer = (unguarded(made.settings), cut.outer) if cut else (made.settings, made.outer)
     plan = plan_render(settings, outer, aovs, triangles=made.triangles)
-    found = Explained(made, plan, cut, memory(settings, cut.outer if cut else size, plan), rules(made, plan), [], "")
+    found = Explained(
+        loaded, camera, made, plan, cut, memory(settings, cut.outer if cut else size, plan), rules(made, plan), [], ""
+    )
     if measure:
         with Renderer(gl, keep=FRAMES) as renderer:
             measured = savings(renderer, loaded, camera, size, settings, rounds=rounds)
             found = dataclasses.replace(found, savings=measured, where=f"{renderer.ctx.provider}, {renderer.ctx.renderer}")
-    subject = {"scene": loaded.name, "triangles": loaded.triangles, "camera": camera.name, "settings": made.settings.table()}
     if json:
-        say(json_module.dumps(subject | found.table() | ({"planned": listed(choice)} if choice else {}), indent=1))
+        say(json_module.dumps(found.table() | ({"planned": listed(choice)} if choice else {}), indent=1))
         return 0
-    method = made.settings.method
-    say(f"{loaded.name}: {loaded.triangles:,} triangles in {len(loaded.draws)} meshes, camera {camera.name or 'automatic'}")
-    say(f"{method.name}: " + ", ".join(f"{f.name} {getattr(method, f.name)}" for f in dataclasses.fields(method)))  # type: ignore[arg-type]
-    if cut:
-        say(f"{size[0]}x{size[1]} in {cut.describe()}; the plan of the largest:")
     found.tell(rounds)
     if choice:
         tell(choice)

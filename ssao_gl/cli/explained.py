@@ -7,10 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..camera import Camera
 from ..framing import Framing
 from ..graph import Plan
 from ..leftout import Memory, Rule, resources
 from ..savings import COLUMNS, Saving
+from ..scene import Scene
 from ..tiles import Layout
 from .output import say, table
 
@@ -21,6 +23,8 @@ MIB = 2.0**20
 class Explained:
     """A plan with its memory and its rules; ``savings`` are empty where nothing was measured, ``where`` says on what it was."""
 
+    scene: Scene
+    camera: Camera
     made: Framing
     plan: Plan
     cut: Layout | None
@@ -35,6 +39,7 @@ class Explained:
         kept = [{**row, "kept": True} for row in resources(plan)]
         gone = [{"name": n, "kept": False, "reason": why, "bytes": plan.saved.get(n)} for n, why in plan.culled.items()]
         return {
+            "scene": self.scene.name, "triangles": self.scene.triangles, "camera": self.camera.name, "settings": self.made.settings.table(),
             "passes": [
                 {
                     "name": step.task.name, "reads": list(step.task.reads), "size": list(step.size),
@@ -56,6 +61,14 @@ class Explained:
 
     def tell(self, rounds: int) -> None:
         """Print it all."""
+        scene, method = self.scene, self.made.settings.method
+        say(
+            f"{scene.name}: {scene.triangles:,} triangles in {len(scene.draws)} meshes, camera {self.camera.name or 'automatic'}"
+        )
+        say(f"{method.name}: " + ", ".join(f"{f.name} {getattr(method, f.name)}" for f in dataclasses.fields(method)))  # type: ignore[arg-type]
+        if self.cut:
+            w, h = self.cut.size
+            say(f"{w}x{h} in {self.cut.describe()}; the plan of the largest:")
         say(self.plan.describe())
         for rule in self.rules:
             say(f"   {rule.describe()}")
