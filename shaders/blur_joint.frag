@@ -1,6 +1,7 @@
 // One axis of a joint bilateral filter: taps weigh by how well they lie in the tangent plane of the pixel.
 // Along the axis, n . P is (a + i b) z + i d with a, b, d constant for the pixel: no position is rebuilt for a tap.
 #needs es300
+#include "lib/precision.glsl"
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
 #include "lib/output.glsl"
@@ -11,15 +12,17 @@ uniform vec2 u_target_texel;  // 1 / size of the target
 uniform vec2 u_target_uv;     // uv of the image for each fragment of the target
 uniform vec2 u_next;          // one texel along the axis: of the target,
 uniform vec2 u_step;          // and as uv of the image
-uniform float u_weights[RADIUS + 1];
+uniform LOW float u_weights[RADIUS + 1];
 uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w = 1)
 
 // A tap i texels along the axis: (visibility, 1) by its weight. Background (depth 0) weighs nothing.
 // line is (a, b, d) and plane the plane's own distance, both in units of the tolerance.
-vec2 ssao_tap(vec2 uv, float i, float weight, vec3 line, float plane) {
+LOW vec2 ssao_tap(vec2 uv, float i, LOW float weight, vec3 line, float plane) {
     vec2 tap = ssao_unpack(SAMPLE(u_packed, uv + i * u_next).r);
     float off = abs((line.x + i * line.y) * tap.y + i * line.z - plane);
-    return tap.y > 0.0 ? vec2(tap.x, 1.0) * (clamp(2.0 - off, 0.0, 1.0) * weight) : vec2(0.0);
+    LOW float visibility = tap.x;
+    LOW float fits = clamp(2.0 - off, 0.0, 1.0);
+    return tap.y > 0.0 ? vec2(visibility, 1.0) * (fits * weight) : vec2(0.0);
 }
 
 void main() {

@@ -17,7 +17,7 @@ from .settings import assign
 
 DEFAULT_METHOD = "bitmask"
 
-NAMES = ("method", "preset", "blur", "normals", "keep")
+NAMES = ("method", "preset", "blur", "normals", "precision", "keep")
 """Settings of their own, in no group."""
 
 
@@ -44,7 +44,8 @@ def settings_from(
     """Settings in rising order of precedence: defaults, the preset, ``table`` (from TOML), names, ``group.key=value`` texts, overrides.
 
     Groups are ``shading``, ``blur`` (the chosen filter) and the name of the chosen method; a key without a group is the
-    method's, but for ``normals``. ``overrides`` are fields of the method. Raises SettingsError naming what is unknown.
+    method's, but for ``normals`` and ``precision``. ``overrides`` are fields of the method. Raises SettingsError naming what is
+    unknown.
     """
     table = dict(table or {})
     chosen: dict[str, Any] = {
@@ -52,6 +53,7 @@ def settings_from(
         "blur": blur(blur_name or _text(table, "blur", "joint")),
         "shading": Shading(),
         "normals": _text(table, "normals", "geometric"),
+        "precision": _text(table, "precision", "high"),
     }
     chosen["keep"] = _rules([*_names(table, "keep"), *keep])
     name = chosen["method"].name
@@ -77,8 +79,8 @@ def settings_from(
         key, equals, value = text.partition("=")
         if not equals:
             raise SettingsError(f"--set {text}: must be key=value or group.key=value")
-        if key.strip() == "normals":
-            chosen["normals"] = value.strip()
+        if key.strip() in ("normals", "precision"):
+            chosen[key.strip()] = value.strip()
             continue
         group, dot, field = key.strip().partition(".")
         if dot and group in registry() and group != name:

@@ -17,6 +17,7 @@ from .methods.bitmask import Bitmask
 from .passes import screen, skip, small
 from .passes.blur import Blur, Joint
 from .settings import setting, validate
+from .sources import Define
 from .view import Size
 
 AOVS = ("image", "visibility", "depth", "normal", "color")
@@ -39,6 +40,9 @@ RESOURCES: Mapping[str, str] = {
     "color": "color",
 }
 """AOV -> resource of the graph."""
+
+PRECISIONS: Mapping[str, Mapping[str, Define]] = {"high": {}, "mobile": {"MOBILE": 1}}
+"""What shaders are told of the precision; see ``lib/precision.glsl``."""
 
 WINDOW_DEPTH, EYE_DEPTH = "window", "eye"
 
@@ -73,6 +77,11 @@ class Settings:
         "what occlusion goes by: the triangles' own normals, as rays do, or the mesh's smooth ones",
         choices=("geometric", "shading"),
     )
+    precision: str = setting(
+        "high",
+        "mobile: weights, visibilities and colours as half floats, where the driver has them; never what is a length",
+        choices=tuple(PRECISIONS),
+    )
     keep: tuple[str, ...] = ()
     """Rules of leaving out that are switched off, of :data:`RULES`."""
 
@@ -101,6 +110,7 @@ class Settings:
             **({f"blur_{self.blur.name}": as_table(self.blur)} if self.blur else {}),
             "shading": as_table(self.shading),
             "normals": self.normals,
+            "precision": self.precision,
             **({"keep": list(self.keep)} if self.keep else {}),
         }
 
@@ -195,6 +205,16 @@ def _after_gbuffer(settings: Settings, left: Leaving) -> list[Pass]:
     ]
 
 
+def _at(precision: str, passes: Sequence[Pass]) -> list[Pass]:
+    """The passes, with shaders of that precision."""
+    defines = PRECISIONS[precision]
+
+    def precise(task: Pass) -> Pass:
+        return dataclasses.replace(task, draw=lambda stage: task.draw(dataclasses.replace(stage, defines=defines)))
+
+    return [precise(task) for task in passes] if defines else list(passes)
+
+
 def _notes(settings: Settings, left: Leaving) -> dict[str, str]:
     return ({} if settings.blur else {"blur": "switched off"}) | ({"open blocks": left.why} if left.why else {})
 
@@ -221,7 +241,7 @@ def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)
         *_after_gbuffer(settings, left),
         screen.composite(settings.shading.ambient, settings.shading.background_rgb, direct=True),
     ]
-    return compile(passes, size, resources(aovs), notes=_notes(settings, left))
+    return compile(_at(settings.precision, passes), size, resources(aovs), notes=_notes(settings, left))
 
 
 def plan_filter(blur: Blur, size: Size) -> Plan:
@@ -257,4 +277,4 @@ def plan_apply(
         screen.composite(settings.shading.ambient, (0.0, 0.0, 0.0), direct=False),
     ]
     inputs = ["depth", *(["normal_xyz"] if normals else []), *(["color"] if "image" in outputs else [])]
-    return compile(passes, size, list(outputs), inputs, notes)
+    return compile(_at(settings.precision, passes), size, list(outputs), inputs, notes)

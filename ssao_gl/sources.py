@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 
 from .errors import ShaderError, near_miss
+from .halves import rounded
 
 DIALECTS = ("es300", "gl330", "es100")
 Define = str | int | float
@@ -77,12 +78,13 @@ def build(name: str, defines: Mapping[str, Define] | None = None, dialect: str =
     lines += [(f"#define {key} {value}".rstrip(), "defines", n) for n, (key, value) in enumerate(defines.items(), 1)]
     lines += [(text, header, n) for n, text in enumerate(head[1:], 2)]
     _expand(name, defines, set(), lines)
-    return Source("\n".join(text for text, _, _ in lines) + "\n", tuple((file, n) for _, file, n in lines))
+    text = "\n".join(text for text, _, _ in lines) + "\n"
+    return Source(rounded(text) if "HALF" in defines else text, tuple((file, n) for _, file, n in lines))
 
 
 def speaks_es100(name: str, defines: Mapping[str, Define]) -> bool:
     """Whether a shader can be written in GLSL ES 1.00."""
-    return "PACKED" not in defines and _NEEDS not in _read(name)
+    return not {"PACKED", "HALF"} & set(defines) and _NEEDS not in _read(name)
 
 
 @cache

@@ -7,6 +7,8 @@
 // for an angle t from the viewer on side s, from the slice measure |N_s| cos(t - g) |sin t| of Jimenez et al.,
 // "Practical Realtime Strategies for Accurate Indirect Occlusion", 2016.
 
+#include "lib/precision.glsl"
+
 const float SSAO_PI = 3.14159265358979;
 
 // |error| < 7e-5 (Abramowitz & Stegun 4.4.45); exact at 0, where it matters, and at pi.
@@ -33,7 +35,7 @@ struct SsaoSlice {
     vec3 along;     // unit, away from the pixel, at right angles to the viewer
     vec3 axis;      // unit, out of the slice
     vec2 normal;    // of the surface: its parts along and to the viewer, as unit vector
-    float weight;   // |N_s| T, what the slice contributes
+    LOW float weight;  // |N_s| T, what the slice contributes
     float share;    // of the normal out of the slice, over |N_s|
     float u0;       // u of the viewer's direction
     vec2 curve;     // (cos g, sin g) / 2 T

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol, TypedDict
 
 import moderngl
@@ -55,6 +55,8 @@ class Stage:
     tester: Tester
     context: Any = None
     """What the caller of :meth:`Frame.run` passed along (the scene, say)."""
+    defines: Mapping[str, Define] = field(default_factory=dict)
+    """For all its shaders."""
 
     def fullscreen(
         self,
@@ -70,7 +72,7 @@ class Stage:
         ``samplers`` maps sampler uniforms to resource names, ``lookups`` to small repeating arrays; the constants of the
         view and of the target are set where the shader declares them. Only pixels that the pass's test lets are drawn.
         """
-        every = dict(defines or {})
+        every = {**self.defines, **(defines or {})}
         if self.view.pinhole:
             every["PINHOLE"] = 1
         program, vao = self.kit.triangle(fragment, every)
