@@ -52,10 +52,11 @@ def rules(made: Framing, plan: Plan) -> list[Rule]:
     """Every rule, in force or not and why, in a view that ``plan`` draws."""
     method, keep = made.settings.method, made.settings.keep
     adaptive = getattr(method, "adaptive", False) and "adaptive" not in keep
+    asked = f"it is asked for with {method.name}.adaptive=true" if hasattr(method, "adaptive") else f"{method.name} cannot"
     why = {
         "background": "",
         "open": "the adaptive rule looks for blocks" if adaptive else plan.culled.get(OPEN, ""),
-        "adaptive": "" if adaptive else "it is asked for with bitmask.adaptive=true",
+        "adaptive": "" if adaptive else asked,
     }
     if not any({"raw", "visibility"} & set(step.writes) for step in plan.steps):
         why = dict.fromkeys(RULES, "no occlusion is drawn")

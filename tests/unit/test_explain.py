@@ -33,6 +33,7 @@ def test_each_rule_is_in_force_or_says_why() -> None:
     assert why(adaptive)["adaptive"] == "" and "adaptive rule" in why(adaptive)["open"]
     assert why(dataclasses.replace(adaptive, keep=("adaptive",)))["adaptive"] == "switched off"
     assert set(why(dataclasses.replace(fixed, keep=tuple(RULES))).values()) == {"switched off"}
+    assert why(ao.Settings(method=ao.Alchemy(radius=1.0)))["adaptive"] == "alchemy cannot"
     assert set(why(fixed, ("depth",)).values()) == {"no occlusion is drawn"}
 
 
