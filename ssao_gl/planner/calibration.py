@@ -1,8 +1,8 @@
 """What a pixel costs on this driver: probe frames of a made-up scene, kept in a cache.
 
 The scene is rough everywhere, so nothing of it is left out by content. It is drawn filling a small and a larger image, and
-from afar, which tells fixed costs, those of an image's area and those of shading apart; under both ends of each family
-of candidates, between which costs are linear.
+from afar, which tells fixed costs, those of an image's area and those of shading apart; under two candidates of each family,
+which tell what taps cost.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from ..errors import FormatError, one_line
 from ..files import make_folder, written
 from ..framing import framing
 from ..gl.context import Context
-from ..pipeline import Settings, small_scale
+from ..pipeline import Settings
 from ..scene import Scene
 from ..settings import as_table
 from ..view import Size
-from .candidates import CANDIDATES, FAMILIES, Candidate
+from .candidates import FAMILIES, Family
 from .choice import times
-from .cost import DRAWN, Rate, Rates, Work, fitted, works
+from .cost import DRAWN, Framed, Rate, Rates, Work, fitted
 
 VERSION = 1
 """Part of every key: raised whenever the same driver would be probed in another way."""
@@ -50,8 +50,8 @@ def clock(ctx: Context) -> str:
 
 def key(ctx: Context) -> str:
     """Hash of all that decides what passes cost: the driver, this package's version, every shader, and what is probed."""
-    ends = [[end.method, as_table(end.made())] for family in FAMILIES for end in family.ends]
-    parts = [VERSION, ctx.provider, ctx.renderer, ctx.version, importlib.metadata.version("ssao_gl"), ends]
+    probed = [[family.name, as_table(family.candidate(taps).made())] for family in FAMILIES for taps in family.probed]
+    parts = [VERSION, ctx.provider, ctx.renderer, ctx.version, importlib.metadata.version("ssao_gl"), probed]
     digest = hashlib.sha256(json.dumps(parts, sort_keys=True).encode())
     for path in sorted(p for p in sources.root().rglob("*") if p.is_file()):
         digest.update(path.relative_to(sources.root()).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
@@ -59,7 +59,7 @@ def key(ctx: Context) -> str:
 
 
 def calibrated(ctx: Context, folder: Path) -> Mapping[str, Rates]:
-    """The rates of both ends of every family, from the cache in ``folder`` or by probe frames."""
+    """The rates of every family, by its name, from the cache in ``folder`` or by probe frames."""
     path = folder / f"planner-{key(ctx)}.json"
     found = _read(path)
     if found is None:
@@ -69,43 +69,37 @@ def calibrated(ctx: Context, folder: Path) -> Mapping[str, Rates]:
     return found
 
 
-def rates_of(candidate: Candidate, ends: Mapping[str, Rates]) -> Rates:
-    """The rates of a candidate, from those of the ends of its family."""
-    family = CANDIDATES[candidate.name][0]
-    first, last = (ends[end.name] for end in family.ends)
-    return {name: rate.towards(last[name], family.place(candidate)) for name, rate in first.items() if name in last}
-
-
 def probe(ctx: Context) -> dict[str, Rates]:
-    """Draw and time all probe frames. Passes that do the same for several candidates share a rate, which halves its noise."""
+    """Draw and time all probe frames. Passes that do the same in several families share a rate, which lessens its noise."""
     from ..renderer import Renderer  # which plans by this
 
     small, large = SOFTWARE_SIZES if ctx.software else GPU_SIZES
-    scene, ends = rough(), {end.name: end for family in FAMILIES for end in family.ends}
     measured: dict[tuple[Any, ...], list[tuple[Work, float]]] = {}
-    rated: dict[str, dict[str, tuple[Any, ...]]] = {name: {} for name in ends}
+    alike: dict[str, dict[str, tuple[Any, ...]]] = {family.name: {} for family in FAMILIES}
+    probed = [(family, taps) for family in FAMILIES for taps in family.probed]
+    scene, aovs = rough(), ("image",)
     with Renderer(ctx) as renderer:
         for size, away in ((small, 1.0), (large, 1.0), (large, 3.0)):
             camera, radius = above(away), RADIUS * away
             covered = float((renderer.render(scene, camera, size, aovs=("depth",)).depth > 0).mean())
-            for name, end in ends.items():
-                settings = Settings(method=end.made(radius))
-                picture = renderer.render(scene, camera, size, settings, aovs=("image",), timed=ROUNDS)
-                made, ms = framing(scene, camera, size, settings, ctx.max_size), times(picture.report["passes"], clock(ctx))
-                for task, one in works(made.plan(("image",)), made.drawn, covered).items():
+            for family, taps in probed:
+                settings = Settings(method=family.candidate(taps).made(radius))
+                ms = times(renderer.render(scene, camera, size, settings, aovs=aovs, timed=ROUNDS).report["passes"], clock(ctx))
+                made = framing(scene, camera, size, settings, ctx.max_size)
+                for task, one in Framed(made.plan(aovs), made.drawn, family.method, taps).works(covered).items():
                     if task not in DRAWN:
-                        rated[name][task] = _alike(task, settings)
-                        measured.setdefault(rated[name][task], []).append((one, ms[task]))
-    rates = {alike: fitted(runs) for alike, runs in measured.items()}
-    return {name: {task: rates[alike] for task, alike in tasks.items()} for name, tasks in rated.items()}
+                        alike[family.name][task] = _alike(task, family)
+                        measured.setdefault(_alike(task, family), []).append((one, ms[task]))
+    rates = {key: fitted(runs) for key, runs in measured.items()}
+    return {name: {task: rates[key] for task, key in tasks.items()} for name, tasks in alike.items()}
 
 
-def _alike(task: str, settings: Settings) -> tuple[Any, ...]:
+def _alike(task: str, family: Family) -> tuple[Any, ...]:
     """The same for passes that do the same for a pixel."""
-    method, scale = settings.method, small_scale(settings)
-    if task == method.name:
-        return (task, scale > 1, *sorted(method.defines().items()))
-    return task, scale, getattr(method, "tile", None)
+    scale, tile = family.fixed.get("scale"), family.fixed.get("tile")
+    if task != family.method:
+        return task, scale, tile
+    return task, scale == 1, *sorted((key, value) for key, value in family.fixed.items() if key not in ("scale", "tile"))
 
 
 CELLS: Size = (160, 90)
@@ -149,7 +143,7 @@ def _read(path: Path) -> dict[str, Rates] | None:
         table = json.loads(path.read_text("utf-8"))
         found: dict[str, Rates] = {
             name: {task: Rate(*map(float, numbers)) for task, numbers in table[name].items()}
-            for name in (end.name for family in FAMILIES for end in family.ends)
+            for name in (family.name for family in FAMILIES)
         }
         if not all(
             math.isfinite(part) and part >= 0

@@ -47,31 +47,31 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Family:
-    """Candidates that differ in one number, in which the cost of a pixel is linear: probes of two of them tell all."""
+    """Candidates that differ in one number, the taps, in which the cost of a pixel is linear."""
 
     method: str
     fixed: Mapping[str, Any]
     varied: str
     values: Sequence[int]
+    """In rising order."""
     probed: tuple[int, int]
-    """The two whose frames are timed: shaders compile longer than they draw, so those that others need too."""
+    """Two whose frames tell what all cost. Shaders compile longer than they draw, so these are such as others need too."""
+
+    @property
+    def name(self) -> str:
+        """By what its candidates have in common."""
+        return " ".join([self.method, *(f"{key}={self.fixed[key]}" for key in TELLING if key in self.fixed)])
 
     def candidate(self, value: int) -> Candidate:
         return Candidate(self.method, {**self.fixed, self.varied: value})
 
+    def taps(self, candidate: Candidate) -> int:
+        """The number that its candidates differ in."""
+        return int(candidate.fields[self.varied])
+
     @property
     def candidates(self) -> list[Candidate]:
         return [self.candidate(value) for value in self.values]
-
-    @property
-    def ends(self) -> tuple[Candidate, Candidate]:
-        """The two that are probed."""
-        return self.candidate(self.probed[0]), self.candidate(self.probed[1])
-
-    def place(self, candidate: Candidate) -> float:
-        """Where a candidate lies: 0 at the first of the probed, 1 at the second."""
-        first, second = self.probed
-        return float((candidate.fields[self.varied] - first) / (second - first))
 
 
 FAMILIES = (

@@ -18,58 +18,64 @@ DRAWN = ("gbuffer", "layer behind")
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Millions of pixels: of the part of a target that a pass draws in, and those that it shades."""
+    """Millions of pixels: of the part of a target that a pass draws in, those that it shades, and their taps together."""
 
     area: float
     shaded: float
+    tapped: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Rate:
-    """Milliseconds: fixed, for a million pixels of the target, and for a million that are shaded."""
+    """Milliseconds: fixed, for a million pixels of the target, for a million that are shaded, and for a million taps."""
 
     fixed: float
     area: float
     shaded: float
+    tapped: float = 0.0
 
     def ms(self, work: Work) -> float:
         """What ``work`` costs."""
-        return self.fixed + self.area * work.area + self.shaded * work.shaded
-
-    def towards(self, other: Rate, share: float) -> Rate:
-        """On the line through this one (at 0) and another (at 1), but never below zero."""
-        pairs = zip((self.fixed, self.area, self.shaded), (other.fixed, other.area, other.shaded), strict=True)
-        return Rate(*(max(0.0, a + share * (b - a)) for a, b in pairs))
+        return self.fixed + self.area * work.area + self.shaded * work.shaded + self.tapped * work.tapped
 
 
 Rates = Mapping[str, Rate]
-"""Pass -> its rate, of one candidate."""
+"""Pass -> its rate."""
 
 
-def work(step: Step, drawn: Drawn, covered: float) -> Work:
-    """Of one step. ``drawn``: which part of the frame is; covered: share of the image that is not background."""
-    every, part = (drawn_rect(step, drawn["inside"], covering) for covering in (None, drawn["covered"]))
-    whole, area = (1e-6 * w * h for w, h in (rect[2:] if rect else step.size for rect in (every, part)))
-    # What is shaded lies in the part that is drawn, however small that is.
-    return Work(area, min(area, whole * covered) if step.task.test else area)
+@dataclass(frozen=True, slots=True)
+class Framed:
+    """How a candidate draws a view: its plan, which part of the frame is drawn, its method and how many taps that makes."""
 
+    plan: Plan
+    drawn: Drawn
+    method: str
+    taps: int
 
-def works(plan: Plan, drawn: Drawn, covered: float) -> dict[str, Work]:
-    """Of every pass of a plan."""
-    return {step.task.name: work(step, drawn, covered) for step in plan.steps}
+    def work(self, step: Step, covered: float) -> Work:
+        """Of one step. covered: share of the image that is not background."""
+        every, part = (drawn_rect(step, self.drawn["inside"], covering) for covering in (None, self.drawn["covered"]))
+        whole, area = (1e-6 * w * h for w, h in (rect[2:] if rect else step.size for rect in (every, part)))
+        # What is shaded lies in the part that is drawn, however small that is.
+        shaded = min(area, whole * covered) if step.task.test else area
+        return Work(area, shaded, shaded * self.taps if step.task.name == self.method else 0.0)
+
+    def works(self, covered: float) -> dict[str, Work]:
+        """Of every pass."""
+        return {step.task.name: self.work(step, covered) for step in self.plan.steps}
 
 
 def fitted(measured: Sequence[tuple[Work, float]]) -> Rate:
     """The rate that explains some milliseconds best, relatively, without negative parts (by leaving out what would be)."""
     ms = np.maximum([time for _, time in measured], 1e-4)
-    columns = np.array([(1.0, one.area, one.shaded) for one, _ in measured]) / ms[:, None]
-    kept = [0, 1, 2]
+    columns = np.array([(1.0, one.area, one.shaded, one.tapped) for one, _ in measured]) / ms[:, None]
+    kept = [i for i in range(4) if columns[:, i].any()]
     while True:
         found = np.linalg.lstsq(columns[:, kept], np.ones(len(ms)), rcond=1e-6)[0]
         if len(kept) == 1 or found.min() >= 0:
             break
         kept.pop(int(found.argmin()))
-    rate = np.zeros(3)
+    rate = np.zeros(4)
     rate[kept] = np.maximum(found, 0)
     return Rate(*map(float, rate))
 
@@ -91,37 +97,37 @@ class Measured:
     other_factor: float
 
     @classmethod
-    def of(cls, plan: Plan, drawn: Drawn, method: str, ms: Mapping[str, float], covered: float, rates: Rates) -> Measured:
-        """``ms``: milliseconds by pass."""
-        known = {name: rates[name].ms(one) for name, one in works(plan, drawn, covered).items() if name in rates}
+    def of(cls, framed: Framed, ms: Mapping[str, float], covered: float, rates: Rates) -> Measured:
+        """``ms``: milliseconds by pass; ``rates``: of its candidate."""
+        known = {name: rates[name].ms(one) for name, one in framed.works(covered).items() if name in rates}
 
         def factor(names: list[str]) -> float:
             return sum(ms[name] for name in names) / max(sum(known[name] for name in names), 1e-6) if names else 1.0
 
-        own = [name for name in known if name == method]
-        passes = {step.task.name: (step, ms[step.task.name]) for step in plan.steps}
-        return cls(method, passes, covered, factor(own), factor([name for name in known if name != method]))
+        own = [name for name in known if name == framed.method]
+        passes = {step.task.name: (step, ms[step.task.name]) for step in framed.plan.steps}
+        return cls(framed.method, passes, covered, factor(own), factor([name for name in known if name != framed.method]))
 
     def beside(self, other: Measured) -> Measured:
         """This frame, with the passes of another that it has not."""
         return dataclasses.replace(self, passes={**other.passes, **self.passes})
 
-    def lacks(self, plan: Plan, rates: Rates) -> bool:
-        """Whether ``plan`` has passes of which neither this frame nor the rates of its candidate know anything."""
-        return not {step.task.name for step in plan.steps} <= {*self.passes, *rates}
+    def lacks(self, framed: Framed, rates: Rates) -> bool:
+        """Whether there are passes of which neither this frame nor the rates of the candidate know anything."""
+        return not {step.task.name for step in framed.plan.steps} <= {*self.passes, *rates}
 
-    def predict(self, plan: Plan, drawn: Drawn, method: str, rates: Rates) -> float:
-        """Milliseconds of a frame of ``plan``. ``rates``: of its candidate."""
+    def predict(self, framed: Framed, rates: Rates) -> float:
+        """Milliseconds of a frame by another candidate, whose ``rates`` these are."""
         total = 0.0
-        for step in plan.steps:
+        for step in framed.plan.steps:
             name = step.task.name
             same, ms = self.passes.get(name, (None, 0.0))
             if same is not None and name in DRAWN:
                 # Between a cost by triangles and one by pixels.
                 total += ms * (math.prod(step.size) / math.prod(same.size)) ** 0.5
-            elif same is not None and name != method and (step.task, step.size) == (same.task, same.size):
+            elif same is not None and name != framed.method and (step.task, step.size) == (same.task, same.size):
                 total += ms
             elif name in rates:
-                factor = self.method_factor if name == method == self.method else self.other_factor
-                total += factor * rates[name].ms(work(step, drawn, self.covered))
+                factor = self.method_factor if name == framed.method == self.method else self.other_factor
+                total += factor * rates[name].ms(framed.work(step, self.covered))
         return total

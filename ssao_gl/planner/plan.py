@@ -23,10 +23,10 @@ from ..pipeline import EYE_DEPTH, Settings, plan_apply
 from ..scene import Scene
 from ..truth.cache import default_folder
 from ..view import Size
-from .calibration import calibrated, clock, rates_of
+from .calibration import calibrated, clock
 from .candidates import CANDIDATES, PROBES, Candidate, chosen_from, differing
 from .choice import Choice, Prediction, Target, choose, times
-from .cost import Measured
+from .cost import Framed, Measured, Rates
 from .errors import predicted
 from .signs import Signs, signs
 
@@ -162,7 +162,7 @@ def _smaller(size: Size, factor: int) -> Size:
 def _planned(
     renderer: Renderer, subject: Subject, target: Target, given: Settings, aovs: Sequence[str], cache: Path | None
 ) -> Choice:
-    ends = calibrated(renderer.ctx, cache or default_folder())
+    rates = calibrated(renderer.ctx, cache or default_folder())
     by, default = clock(renderer.ctx), Settings().method.name
     names = [] if given.method.name == default else [given.method.name]
     candidates = chosen_from(names, subject.layers)
@@ -170,19 +170,22 @@ def _planned(
     def settled(candidate: Candidate) -> Settings:
         return dataclasses.replace(given, method=candidate.made(subject.radius))
 
+    def framed(candidate: Candidate) -> tuple[Framed, Rates]:
+        family = CANDIDATES[candidate.name][0]
+        return Framed(*subject.plan(settled(candidate)), candidate.method, family.taps(candidate)), rates[family.name]
+
     def timed(candidate: Candidate) -> Measured:
-        ms = times(subject.draw(settled(candidate), 1, aovs, ROUNDS).report["passes"], by)
-        return Measured.of(*subject.plan(settled(candidate)), candidate.method, ms, covered, rates_of(candidate, ends))
+        frame, of_it = framed(candidate)
+        return Measured.of(frame, times(subject.draw(settled(candidate), 1, aovs, ROUNDS).report["passes"], by), covered, of_it)
 
     shown, covered = look(subject, settled)
     usual, other = timed(CANDIDATES[PROBES[given.method.name][subject.layers - 1]][1]), None
     predictions = []
     for candidate in candidates:
-        framed, rates = subject.plan(settled(candidate)), rates_of(candidate, ends)
-        if usual.lacks(framed[0], rates):  # what is left out by content at full size alone
+        frame, of_it = framed(candidate)
+        if lacks := usual.lacks(frame, of_it):  # what is left out by content at full size alone
             other = other or timed(candidate).beside(usual)
-        frame = other if other and usual.lacks(framed[0], rates) else usual
-        ms = frame.predict(*framed, candidate.method, rates)
+        ms = (other if other and lacks else usual).predict(frame, of_it)
         predictions.append(Prediction(candidate.name, ms, predicted(candidate.name, shown, subject.layers)))
     found = choose(predictions, target)
     considered = tuple(sorted(predictions, key=lambda p: p.ms))
