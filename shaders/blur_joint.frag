@@ -17,12 +17,11 @@ uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w
 
 // A tap i texels along the axis: (visibility, 1) by its weight. Background (depth 0) weighs nothing.
 // line is (a, b, d) and plane the plane's own distance, both in units of the tolerance.
-LOW vec2 ssao_tap(vec2 uv, float i, LOW float weight, vec3 line, float plane) {
+vec2 ssao_tap(vec2 uv, float i, LOW float weight, vec3 line, float plane) {
     vec2 tap = ssao_unpack(SAMPLE(u_packed, uv + i * u_next).r);
     float off = abs((line.x + i * line.y) * tap.y + i * line.z - plane);
-    LOW float visibility = tap.x;
     LOW float fits = clamp(2.0 - off, 0.0, 1.0);
-    return tap.y > 0.0 ? vec2(visibility, 1.0) * (fits * weight) : vec2(0.0);
+    return tap.y > 0.0 ? vec2(tap.x, 1.0) * (fits * weight) : vec2(0.0);
 }
 
 void main() {

@@ -28,20 +28,19 @@ struct SsaoPlane {
 };
 
 // A texel: (visibility, 1) by its weight. nearest is (visibility, distance off the plane) of the one that is least off.
-LOW vec2 ssao_tap(SsaoPlane plane, vec2 q, LOW float weight, inout vec2 nearest) {
+vec2 ssao_tap(SsaoPlane plane, vec2 q, LOW float weight, inout vec2 nearest) {
     vec2 place = (plane.corner + q + 0.5) * u_small_texel;
     vec2 tap = ssao_unpack(SAMPLE(u_packed, place).r);
-    LOW vec2 turn = SAMPLE(u_small_normal, place).xy - plane.normal;  // as encoded: about the angle, and cheap
+    vec2 turn = SAMPLE(u_small_normal, place).xy - plane.normal;  // as encoded: about the angle, and cheap
     float off = abs(dot(plane.line, vec3(1.0, q)) * tap.y - plane.here);
 #ifndef PINHOLE
     off = abs(dot(plane.line, vec3(1.0, q)) * tap.y + dot(plane.still, vec3(1.0, q)) - plane.here);
 #endif
     off = tap.y > 0.0 ? min(off, 1e30) : 2e30;  // background, which has no visibility, never stands in
     nearest = off < nearest.y ? vec2(tap.x, off) : nearest;
-    LOW float visibility = tap.x;
     LOW float fits = clamp(2.0 - off, 0.0, 1.0);
     LOW float alike = clamp(1.5 - 4.0 * dot(turn, turn), 0.0, 1.0);
-    return vec2(visibility, 1.0) * (fits * alike * weight);
+    return vec2(tap.x, 1.0) * (fits * alike * weight);
 }
 
 void main() {

@@ -79,7 +79,7 @@ class Settings:
     )
     precision: str = setting(
         "high",
-        "mobile: weights, visibilities and colours as half floats, where the driver has them; never what is a length",
+        "mobile: weights and colours as half floats, where the driver has them; never what is a length",
         choices=tuple(PRECISIONS),
     )
     keep: tuple[str, ...] = ()

@@ -1,6 +1,7 @@
-// What half floats can hold is declared LOW: weights, visibilities, colours. MOBILE makes it mediump. Positions, depths, offsets,
-// distances and sums never are, nor directions that they follow from: those of the taps, and normals whose tangent plane is
-// measured in pixels, as at grazing angles the 11 bits of a half float tilt it out of its own pixels.
+// What half floats can hold is declared LOW: weights, colours, light. MOBILE makes it mediump. Positions, depths, offsets,
+// distances and sums never are; nor directions that they follow from: those of the taps, and normals whose tangent plane is
+// measured in pixels, as at grazing angles the 11 bits of a half float tilt it out of its own pixels; nor visibilities to be
+// averaged, which lie on ties of the 8 bits that are kept of them.
 #ifdef MOBILE
 #define LOW mediump
 #else
