@@ -101,7 +101,7 @@ def _save_exr(path: Path, array: NDArray[Any], texts: Mapping[str, str]) -> None
         try:
             file.write(str(path))
         except RuntimeError as error:  # all that the library says of a full disk
-            raise OSError("the EXR encoder failed; is the disk full?") from error
+            raise OSError("the EXR encoder failed") from error
 
 
 def load(path: Path | str) -> NDArray[Any]:
