@@ -1,7 +1,6 @@
 // Visibility bitmask over slices of the hemisphere: each tap sets the bits that a slab behind its texel hides. The bits are
 // of equal cosine-weighted measure (lib/slice.glsl), so counting them is the slice integral.
 #needs es300
-#include "lib/precision.glsl"
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
 #include "lib/pixel.glsl"
@@ -100,7 +99,7 @@ float ssao_room(vec2 at, vec2 way) {
 }
 
 // (visibility, 1) of the slice in direction turn, by its weight.
-LOW vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
+vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
     vec3 along = ssao_along(v, turn);
     vec2 texels = ssao_texels(p, along) * (1.0 / (u_per_radius * ssao_w(-p.z)));
     float pixels = max(length(texels), 1e-6);
@@ -128,8 +127,7 @@ LOW vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
 #else
 #repeat STEPS bits |= ssao_step(w, float(@), plus, minus);
 #endif
-    LOW float open = 1.0 - ssao_count(bits) / 32.0;
-    return vec2(open, 1.0) * w.slice.weight;
+    return vec2(1.0 - ssao_count(bits) / 32.0, 1.0) * w.slice.weight;
 }
 
 // One slice more, and on to the direction of the next.
