@@ -10,6 +10,9 @@
 #ifdef FALLOFF
 #include "lib/falloff.glsl"
 #endif
+#if defined(FALLOFF) || defined(BENT)
+#define EACH  // it matters what each tap is the first to hide
+#endif
 
 // Few taps are written out one by one, which software renderers run a third faster; many would take them minutes to compile.
 #if SLICES * STEPS > 32
@@ -43,12 +46,20 @@ struct SsaoSweep {
 #endif
 };
 
+// What the taps of a slice have hidden so far.
+struct SsaoHidden {
+    uint bits;
+#ifdef EACH
+    vec3 sum;  // over bits, by how much they count: direction in the slice, and 1
+#endif
+};
+
 // What rises more steeply from tap to tap (to the viewer, over aside) is taken for the edge of something, not for a slope.
 const float SSAO_STEEP = 3.0;
 
-// The bits that a surface hides, offset pixels aside at depth z: within the radius, and behind it as far as the slab is thick.
+// Add what a surface hides, offset pixels aside at depth z: within the radius, and behind it as far as the slab is thick.
 // A slope goes on beyond its last tap, on average half way to the next one: ahead times what it rose from the tap before.
-uint ssao_hidden(SsaoSweep w, vec2 offset, float z, float side, float thickness, float ahead, inout vec2 last) {
+void ssao_hide(SsaoSweep w, vec2 offset, float z, float side, float thickness, float ahead, inout vec2 last, inout SsaoHidden hidden) {
     vec2 front = w.to_xy * offset * z + w.to_z * (z - w.z);
 #ifndef PINHOLE
     front += w.to_xy0 * offset;
@@ -63,32 +74,39 @@ uint ssao_hidden(SsaoSweep w, vec2 offset, float z, float side, float thickness,
     float near = ssao_u(w.slice, slope && rises ? front + ahead * rise : front, side);
     float far = ssao_u(w.slice, front - vec2(0.0, thickness), side);
     uint bits = side > 0.0 ? ssao_bits(near, far) : ssao_bits(far, near);
-#ifdef FALLOFF
-    // What counts by a share hides that share of its bits, always the same ones first: nearer occluders win.
-    bits &= ssao_spread(ssao_rho(sqrt(distance2)));
-#endif
     // At the border a tap may be the pixel itself, whose depth in a smaller target is not the same to the last bits.
-    return z > 0.0 && distance2 < 1.0 && front.x * side > 0.0 && offset != vec2(0.0) ? bits : 0u;
+    bits = z > 0.0 && distance2 < 1.0 && front.x * side > 0.0 && offset != vec2(0.0) ? bits : 0u;
+#ifdef EACH
+    // Outwards, the first tap to hide a sector is what a ray there meets first.
+    float count = ssao_count(bits & ~hidden.bits);
+#ifdef FALLOFF
+    count *= ssao_rho(sqrt(min(distance2, 1.0)));
+#endif
+    hidden.sum += count * vec3(front * inversesqrt(clamp(distance2, 1e-30, 1.0)), 1.0);
+#endif
+    hidden.bits |= bits;
 }
 
-uint ssao_texel(SsaoSweep w, vec2 way, float side, float thickness, float ahead, inout vec4 last) {
+void ssao_texel(
+    SsaoSweep w, vec2 way, float side, float thickness, float ahead, inout vec4 last, inout SsaoHidden hidden
+) {
     vec2 offset = floor(w.at + way) + 0.5 - w.at;
     vec2 tap = (w.at + offset) * u_texel;
-    uint hidden = ssao_hidden(w, offset, SAMPLE(u_z, tap).r * u_per_radius, side, thickness, ahead, last.xy);
+    ssao_hide(w, offset, SAMPLE(u_z, tap).r * u_per_radius, side, thickness, ahead, last.xy, hidden);
 #ifdef SECOND_LAYER
-    hidden |= ssao_hidden(w, offset, SAMPLE(u_z2, tap).r * u_per_radius, side, thickness, ahead, last.zw);
+    ssao_hide(w, offset, SAMPLE(u_z2, tap).r * u_per_radius, side, thickness, ahead, last.zw, hidden);
 #endif
-    return hidden;
 }
 
 // Step k to both sides. Taps crowd near the pixel (power 3/2); a slab is thicker where the next tap is farther away.
-uint ssao_step(SsaoSweep w, float k, inout vec4 plus, inout vec4 minus) {
+void ssao_step(SsaoSweep w, float k, inout vec4 plus, inout vec4 minus, inout SsaoHidden hidden) {
     vec3 q = max(vec3(k - 1.0, k, k + 1.0) + w.offset, 0.0) / float(STEPS);
     vec3 t = q * sqrt(q);
     float thickness = u_thickness.x + u_thickness.y * (t.z - t.y);
     vec2 r = min(w.reach * t.y + 1.0, w.room);
     float ahead = 0.5 * (t.z - t.y) / (t.y - t.x);
-    return ssao_texel(w, w.way * r.x, 1.0, thickness, ahead, plus) | ssao_texel(w, -w.way * r.y, -1.0, thickness, ahead, minus);
+    ssao_texel(w, w.way * r.x, 1.0, thickness, ahead, plus, hidden);
+    ssao_texel(w, -w.way * r.y, -1.0, thickness, ahead, minus, hidden);
 }
 
 // Pixels from at along way to the border of the image, from the centre of the last texel.
@@ -121,13 +139,22 @@ vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
     w.to_xy0 = mat2(ssao_into_slice(w.slice, vec3(right, 0.0), v), ssao_into_slice(w.slice, vec3(up, 0.0), v));
 #endif
     vec4 plus = vec4(0.0), minus = vec4(0.0);
-    uint bits = 0u;
-#ifdef LOOPS
-    for (int k = 0; k < STEPS; k++) bits |= ssao_step(w, float(k), plus, minus);
-#else
-#repeat STEPS bits |= ssao_step(w, float(@), plus, minus);
+    SsaoHidden hidden;
+    hidden.bits = 0u;
+#ifdef EACH
+    hidden.sum = vec3(0.0);
 #endif
-    return vec2(1.0 - ssao_count(bits) / 32.0, 1.0) * w.slice.weight;
+#ifdef LOOPS
+    for (int k = 0; k < STEPS; k++) ssao_step(w, float(k), plus, minus, hidden);
+#else
+#repeat STEPS ssao_step(w, float(@), plus, minus, hidden);
+#endif
+#ifdef FALLOFF
+    float share = hidden.sum.z / 32.0;
+#else
+    float share = ssao_count(hidden.bits) / 32.0;
+#endif
+    return vec2(1.0 - share, 1.0) * w.slice.weight;
 }
 
 // One slice more, and on to the direction of the next.
