@@ -79,7 +79,7 @@ def test_folder_gets_every_aov(run: Any) -> None:
 def test_json(run: Any) -> None:
     run("render", "-o", "a.png", "--json", "a.json", *SIZE)
     report = json.loads(Path("a.json").read_text())
-    assert {p["name"] for p in report["passes"]} >= {"gbuffer", "alchemy"} and report["ao_ms"] > 0
+    assert {p["name"] for p in report["passes"]} >= {"gbuffer", "bitmask"} and report["ao_ms"] > 0
     assert report["size"] == [64, 48] and report["provider"] and report["renderer"]
     printed = run("render", "-o", "a.png", "--json", "-", *SIZE)
     assert json.loads(printed)["size"] == [64, 48], "nothing else on standard output"
@@ -115,7 +115,7 @@ def test_camera_of_a_file(run: Any) -> None:
     Path("a.cam.json").write_text(json.dumps({"cameras": [camera]}))
     run("render", "--camera", "a.cam.json:top", "-o", "a.png", "--json", "a.json", *SIZE)
     report = json.loads(Path("a.json").read_text())
-    assert report["camera"] == "top" and report["settings"]["alchemy"]["radius"] == 0.125
+    assert report["camera"] == "top" and report["settings"]["bitmask"]["radius"] == 0.125
 
 
 def test_negative_coordinates(run: Any) -> None:
@@ -181,7 +181,7 @@ def prepare() -> None:
 def test_apply(run: Any) -> None:
     prepare()
     out = run("apply", "c.png", "--depth", "d.npy", "--yfov-deg", 40, "--radius", 0.5, "-o", "a.png")
-    assert out.startswith("a.png: 64x48, alchemy, ")
+    assert out.startswith("a.png: 64x48, bitmask, ")
     shaded = images.load("a.png")
     assert (shaded[:4] == 200).all() and shaded.min() < 195
     run("apply", "c.png", "--depth", "d.npy", "--yfov-deg", 40, "--strength", 0, "-o", "b.png")
@@ -208,7 +208,7 @@ def test_apply_into_a_folder(run: Any) -> None:
     prepare()
     run("apply", "c.png", "--depth", "d.npy", "--yfov-deg", 40, "-o", "out/", "--json", "a.json")
     assert {"image.png", "visibility.npy", "depth.npy", "normal.png"} <= set(names("out"))
-    assert json.loads(Path("a.json").read_text())["settings"]["method"] == "alchemy"
+    assert json.loads(Path("a.json").read_text())["settings"]["method"] == "bitmask"
 
 
 # compare
@@ -232,7 +232,7 @@ def test_compare(run: Any) -> None:
 
 def test_explain(run: Any) -> None:
     out = run("explain", *SIZE)
-    assert "gbuffer" in out and "alchemy" in out and "MiB" in out
+    assert "gbuffer" in out and "bitmask" in out and "MiB" in out
     plan = json.loads(run("explain", "--json", "--aov", "visibility", *SIZE))
     assert plan["passes"][0]["name"] == "gbuffer" and "composite" not in str(plan["passes"])
 

@@ -30,8 +30,8 @@ CHANGED = {"reference": {"slices": 8}, "sao": {"intensity": 0.5}, "gtao": {"powe
 differ by at the edges of triangles (1.0 % of the values by more than 2/255) would be all that the picture tests."""
 
 
-RAW = {"bitmask": {"scale": 1}}
-"""Without a filter the method alone is tested, not how its noise is enlarged."""
+RAW = {"bitmask": {"scale": 1, "slices": 8}}
+"""Without a filter the method alone is tested, not how its noise is enlarged; by enough slices that a sector is 1/255."""
 
 
 def method(name: str, raw: bool = False) -> Any:
