@@ -27,6 +27,8 @@ from ..stress.subject import DEFAULT, subjects
 from .output import check_output, progress, say, table
 
 Listed = tuple[str, ...]
+ACROSS = 10
+"""Columns of results that fit on a page."""
 KEEP = 32
 """Plans whose textures stay: cases come back to a handful of sizes."""
 RANDOM = 300
@@ -41,6 +43,7 @@ def stress(
     *,
     methods: Annotated[Listed, _option("Methods by commas. [default: all]")] = (),
     presets: Annotated[Listed, _option("Presets by commas, or all. [default: every method as shipped]")] = (),
+    precision: Annotated[str, Parameter(help="Of the shaders: high or mobile.")] = "high",
     gl: Annotated[
         str,
         Parameter(help="OpenGL provider: auto, egl-es, egl-gl, osmesa, angle, swiftshader, native; all: each that opens."),
@@ -71,7 +74,7 @@ def stress(
     if seed < 0 or (number or 0) < 0:
         raise SettingsError(f"--seed {seed} --cases {number}: must not be negative")
     named, count = _named(_split(only), seed), RANDOM if number is None and not only else number or 0
-    chosen = subjects(_split(methods), _split(presets) or [DEFAULT])
+    chosen = subjects(_split(methods), _split(presets) or [DEFAULT], precision)
     steady = runs(named, chosen)
     check_writable(failures, folder=True)
     results, facts = Results(), {"command": shlex.join(["ssao-gl", *sys.argv[1:]]), "seed": str(seed)}
@@ -147,7 +150,9 @@ def _show(provider: str, facts: str, results: Results) -> None:
     named = [row for row in results.named if row.provider == provider]
     if named:
         columns, lines = matrix(named)
-        table(f"{provider}: {facts}", columns, lines)
+        for start in range(1, len(columns), ACROSS):
+            part = slice(start, start + ACROSS)
+            table(f"{provider}: {facts}", [columns[0], *columns[part]], [[line[0], *line[part]] for line in lines])
     for method, preset, verdict, count in results.tallies(provider):
         say(f"{provider}, {count} random cases of {method} {preset}: {verdict}")
 

@@ -125,6 +125,7 @@ def _write_shot(place: Path, number: int, shot: Shot) -> dict[str, Any]:
         "projection": _projection(shot.camera, size),
         "pose": np.asarray(shot.camera.pose).tolist(),
         **{key: getattr(shot, key) for key in ("kind", "radius", "blur", "normals_of")},
+        "keep": list(shot.keep),
         "changes": dict(shot.changes),
     }
 
@@ -180,4 +181,5 @@ def _read_shot(folder: Path, entry: dict[str, Any]) -> Shot:
         Camera.from_matrix(entry["projection"]),
         **arrays,
         **{key: entry[key] for key in ("kind", "radius", "blur", "normals_of", "changes")},
+        keep=tuple(entry.get("keep", ())),
     )

@@ -24,7 +24,8 @@ class Shot:
 
     depth: (h, w) numbers of ``kind`` ("eye": scene units, "window": 0..1), row 0 on top. normals: (h, w, 3) in view space,
     or None. radius: in scene units, for methods whose radius is a length; None: automatic. blur: name of a filter.
-    changes: fields of the method to set, where it has them. normals_of: which normals of a scene count.
+    changes: fields of the method to set, where it has them. normals_of: which normals of a scene count. keep: what is not
+    left out where the scene does not need it (see ``Settings``).
     """
 
     camera: Camera
@@ -37,6 +38,7 @@ class Shot:
     blur: str = "none"
     changes: Mapping[str, Any] = field(default_factory=dict)
     normals_of: str = "geometric"
+    keep: tuple[str, ...] = ()
 
     def but(self, **changes: Any) -> Shot:
         """This shot with some fields replaced."""

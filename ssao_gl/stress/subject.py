@@ -28,6 +28,8 @@ class Subject:
     name: str
     preset: str
     method: Method
+    precision: str = "high"
+    """As in :class:`ssao_gl.Settings`."""
 
     @property
     def label(self) -> str:
@@ -58,14 +60,15 @@ class Subject:
         if self.radius_is_a_length:
             changes["radius"] = shot.radius
         record: Any = dataclasses.replace(self.method, **changes)  # type: ignore[type-var]
-        return Settings(method=record, blur=blur(shot.blur), normals=shot.normals_of)
+        return Settings(method=record, blur=blur(shot.blur), normals=shot.normals_of, precision=self.precision, keep=shot.keep)
 
 
-def subjects(methods: Sequence[str] = (), presets: Sequence[str] = (DEFAULT,)) -> list[Subject]:
+def subjects(methods: Sequence[str] = (), presets: Sequence[str] = (DEFAULT,), precision: str = "high") -> list[Subject]:
     """Methods (all, or those named) times presets: ``default``, names, or ``all``. Raises SettingsError for unknown names."""
+    Settings(precision=precision)
     shipped = {name: method(name) for name in methods or registry()}
     found = [
-        Subject(name, preset, _affordable(assign(record, values)))
+        Subject(name, preset, _affordable(assign(record, values)), precision)
         for name, record in shipped.items()
         for preset, values in {DEFAULT: {}, **_presets(name)}.items()
         if "all" in presets or preset in presets

@@ -6,12 +6,13 @@ import numpy as np
 
 from ...camera import Camera, Perspective
 from ...default_scene import box, default_scene, place
+from ...pipeline import RULES
 from ...scene import Draw, Scene
 from ..case import STEP, NotApplicable, case
 from ..fields import cast, room
 from ..lab import Lab
 from ..shapes import corner, lens, moved, scaled
-from ..shot import share
+from ..shot import Shot, share
 
 GROUP = "invariance of the scene"
 OFF = "share of pixels off by over 1/255"
@@ -84,6 +85,19 @@ def occluder(lab: Lab) -> float:
     before, after = lab.render(bare, lens()), lab.render(Scene([*bare.draws, cube]), lens())
     same = np.abs(before.depth - after.depth) < 1e-4
     return float((after.visibility - before.visibility)[same].mean())
+
+
+@case("left-out", GROUP, "share of pixels that differ at all", 0.0, traps=(27,), why="the same bytes")
+def left_out(lab: Lab) -> float:
+    """What is left out because the scene does not need it changes nothing: sky, and what nothing stands above."""
+    walls = Draw(*box(), transforms=place((4, 3, 6), (0, 0, -4))[None])
+    cube = Draw(*box(), transforms=place((0.7, 0.7, 0.7), (0.5, -2, -6), 0.5)[None])
+    # Open blocks are looked for where taps are many, by methods that are exact there.
+    many = {"scale": 1, "steps": 12} if getattr(lab.subject.method, "open_is_exact", False) else {}
+    shots = [Shot(lens(), Scene([walls, cube]), blur=blur, changes=many) for blur in ("none", "joint")]
+    shots += [Shot(lens(), depth=cast(lens(), lab.size, *room()), blur=blur) for blur in ("none", "joint")]
+    pairs = [(lab.see(shot).visibility, lab.see(shot.but(keep=tuple(RULES))).visibility) for shot in shots]
+    return max(float((a != b).mean()) for a, b in pairs)
 
 
 @case("same-bytes", GROUP, "share of pixels that differ at all", 0.0, why="the same bytes")
