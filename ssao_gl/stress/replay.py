@@ -54,7 +54,7 @@ class Recorder:
         row = failure.row
         kind = row.method, re.sub(r"\d+", "", row.reason)
         self.kinds[kind] += 1
-        if self.kinds[kind] > KEPT and row.case.startswith(PREFIX):
+        if self.kinds[kind] > KEPT:
             return dataclasses.replace(row, command=self._by_name(row))
         place = self.folder / "-".join((row.case, row.method, *([row.preset] * (row.preset != "default")), row.provider))
         make_folder(place)

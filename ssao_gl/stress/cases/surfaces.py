@@ -106,8 +106,9 @@ def step(lab: Lab) -> float:
     why="far below open is asked, no value",
 )
 def pit(lab: Lab) -> float:
-    """The bottom of a narrow pit is dark, and stays so when occlusion is complete: no zero becomes white."""
-    return float(pit_seen(lab).visibility[_bottom(lab.size)].mean())
+    """The bottom of a narrow pit is dark, with walls of any thickness and every bit set: no zero becomes white."""
+    seen = [pit_seen(lab, **changes).visibility[_bottom(lab.size)] for changes in ({}, {"thickness": 1000.0})]
+    return max(float(one.mean()) for one in seen)
 
 
 @case("power", GROUP, "growth of visibility with the exponent", STEP, traps=(44,))
