@@ -35,7 +35,6 @@ from .subject import Subject
 
 CASE = "case.json"
 
-
 KEPT = 3
 """Failures of one kind that are reduced and written; of more there is nothing to learn."""
 
@@ -55,7 +54,7 @@ class Recorder:
         kind = row.method, re.sub(r"\d+", "", row.reason)
         self.kinds[kind] += 1
         if self.kinds[kind] > KEPT:
-            return dataclasses.replace(row, command=self._by_name(row))
+            return dataclasses.replace(row, command=self._by_name(failure))
         place = self.folder / "-".join((row.case, row.method, *([row.preset] * (row.preset != "default")), row.provider))
         make_folder(place)
         shot = self._reduced(failure)
@@ -63,22 +62,25 @@ class Recorder:
         content = {
             **{key: getattr(row, key) for key in ("case", "method", "preset", "provider", "reason", "measured", "bound")},
             "settings": as_table(failure.subject.method),
+            "precision": failure.subject.precision,
             "whole": shot is None,
-            "original": self._by_name(row),
+            "original": self._by_name(failure),
             "shots": [_write_shot(place, number, one) for number, one in enumerate(drawn, 1)],
         }
         with written(place / CASE) as temporary:
             temporary.write_text(json.dumps(content, indent=1) + "\n", "utf-8")
         command = (
-            self._by_name(row)
+            self._by_name(failure)
             if shot is None
             else shlex.join(["ssao-gl", "stress", "--gl", row.provider, "--replay", str(place)])
         )
         return dataclasses.replace(row, folder=str(place), command=command)
 
-    def _by_name(self, row: Row) -> str:
+    def _by_name(self, failure: Failure) -> str:
+        row, precision = failure.row, failure.subject.precision
         words = ["ssao-gl", "stress", "--gl", row.provider, "--methods", row.method, "--only", row.case]
         words += ["--presets", row.preset] if row.preset != "default" else []
+        words += ["--precision", precision] if precision != "high" else []
         return shlex.join(words + (["--seed", str(self.seed)] if row.case.startswith(PREFIX) else []))
 
     def _reduced(self, failure: Failure) -> Shot | None:
@@ -143,7 +145,8 @@ def replayed(renderer: Renderer, folder: Path) -> Row:
     """Draw a written failure again, and judge it. Raises FormatError for a folder that holds none."""
     content = _read(folder)
     try:
-        subject = Subject(content["method"], content["preset"], assign(method(content["method"]), content["settings"]))
+        record = assign(method(content["method"]), content["settings"])
+        subject = Subject(content["method"], content["preset"], record, content.get("precision", "high"))
         if content["whole"]:
             case = cases()[content["case"]]
         else:
