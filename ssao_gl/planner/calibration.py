@@ -15,7 +15,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +32,9 @@ from ..view import Size
 from .candidates import FAMILIES, Family
 from .choice import times
 from .cost import DRAWN, Framed, Rate, Rates, Work, fitted
+
+if TYPE_CHECKING:
+    from ..renderer import Renderer
 
 VERSION = 1
 """Part of every key: raised whenever the same driver would be probed in another way."""
@@ -58,38 +61,36 @@ def key(ctx: Context) -> str:
     return digest.hexdigest()[:32]
 
 
-def calibrated(ctx: Context, folder: Path) -> Mapping[str, Rates]:
+def calibrated(renderer: Renderer, folder: Path) -> Mapping[str, Rates]:
     """The rates of every family, by its name, from the cache in ``folder`` or by probe frames."""
-    path = folder / f"planner-{key(ctx)}.json"
+    path = folder / f"planner-{key(renderer.ctx)}.json"
     found = _read(path)
     if found is None:
-        log.info("planner: probing %s, once", ctx.renderer)
-        found = probe(ctx)
+        log.info("planner: probing %s, once", renderer.ctx.renderer)
+        found = probe(renderer)
         _write(path, found)
     return found
 
 
-def probe(ctx: Context) -> dict[str, Rates]:
+def probe(renderer: Renderer) -> dict[str, Rates]:
     """Draw and time all probe frames. Passes that do the same in several families share a rate, which lessens its noise."""
-    from ..renderer import Renderer  # which plans by this
-
+    ctx = renderer.ctx
     small, large = SOFTWARE_SIZES if ctx.software else GPU_SIZES
     measured: dict[tuple[Any, ...], list[tuple[Work, float]]] = {}
     alike: dict[str, dict[str, tuple[Any, ...]]] = {family.name: {} for family in FAMILIES}
     probed = [(family, taps) for family in FAMILIES for taps in family.probed]
     scene, aovs = rough(), ("image",)
-    with Renderer(ctx) as renderer:
-        for size, away in ((small, 1.0), (large, 1.0), (large, 3.0)):
-            camera, radius = above(away), RADIUS * away
-            covered = float((renderer.render(scene, camera, size, aovs=("depth",)).depth > 0).mean())
-            for family, taps in probed:
-                settings = Settings(method=family.candidate(taps).made(radius))
-                ms = times(renderer.render(scene, camera, size, settings, aovs=aovs, timed=ROUNDS).report["passes"], clock(ctx))
-                made = framing(scene, camera, size, settings, ctx.max_size)
-                for task, one in Framed(made.plan(aovs), made.drawn, family.method, taps).works(covered).items():
-                    if task not in DRAWN:
-                        alike[family.name][task] = _alike(task, family)
-                        measured.setdefault(_alike(task, family), []).append((one, ms[task]))
+    for size, away in ((small, 1.0), (large, 1.0), (large, 3.0)):
+        camera, radius = above(away), RADIUS * away
+        covered = float((renderer.render(scene, camera, size, aovs=("depth",)).depth > 0).mean())
+        for family, taps in probed:
+            settings = Settings(method=family.candidate(taps).made(radius))
+            ms = times(renderer.render(scene, camera, size, settings, aovs=aovs, timed=ROUNDS).report["passes"], clock(ctx))
+            made = framing(scene, camera, size, settings, ctx.max_size)
+            for task, one in Framed(made.plan(aovs), made.drawn, family.method, taps).works(covered).items():
+                if task not in DRAWN:
+                    alike[family.name][task] = _alike(task, family)
+                    measured.setdefault(_alike(task, family), []).append((one, ms[task]))
     rates = {key: fitted(runs) for key, runs in measured.items()}
     return {name: {task: rates[key] for task, key in tasks.items()} for name, tasks in alike.items()}
 

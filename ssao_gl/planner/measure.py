@@ -31,8 +31,9 @@ from ..truth.cache import default_folder
 from ..view import Size
 from .candidates import CANDIDATES, Candidate
 from .errors import SIGNS
-from .plan import Subject, look, of_arrays, of_scene
+from .plan import look
 from .signs import Signs
+from .subject import Subject, of_arrays, of_scene
 
 RADII = (0.5, 1.0, 2.0)
 """Of the camera file's."""

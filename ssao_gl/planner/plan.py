@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from ..camera import Camera
 from ..errors import SettingsError
-from ..framing import framing
-from ..gl.frame import Drawn
-from ..graph import Plan
-from ..inputs import check_arrays, check_size, radius_of
+from ..inputs import check_size
 from ..passes.blur import Joint
-from ..picture import Picture
-from ..pipeline import EYE_DEPTH, Settings, plan_apply
+from ..pipeline import EYE_DEPTH, Settings
 from ..scene import Scene
 from ..truth.cache import default_folder
 from ..view import Size
@@ -29,6 +23,7 @@ from .choice import Choice, Prediction, Target, choose, times
 from .cost import Framed, Measured, Rates
 from .errors import predicted
 from .signs import Signs, signs
+from .subject import Subject, of_arrays, of_scene
 
 if TYPE_CHECKING:
     from ..renderer import Renderer
@@ -41,20 +36,6 @@ ROUNDS = 3
 
 FINE, COARSE, DEEP = "bitmask high", "bitmask scale=1 steps=5", "bitmask ultra"
 """Candidates whose small pictures signs are taken from."""
-
-
-@dataclass(frozen=True)
-class Subject:
-    """What is to be drawn: a scene, or somebody's depth."""
-
-    draw: Callable[[Settings, int, Sequence[str], int], Picture]
-    """With settings, so many times smaller, with some AOVs, timed so many times."""
-    plan: Callable[[Settings], tuple[Plan, Drawn]]
-    """What the frame of some settings is drawn by, and which part of it is drawn."""
-    camera: Camera
-    size: Size
-    radius: float
-    layers: int
 
 
 def plan(
@@ -99,49 +80,6 @@ def plan_arrays(
     return _planned(renderer, subject, target, given, ("visibility", "depth", "normal"), cache)
 
 
-def of_scene(renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings, aovs: Sequence[str]) -> Subject:
-    """A scene to be rendered."""
-
-    def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
-        return renderer.render(scene, camera, _smaller(size, smaller), one, aovs=wanted, timed=timed)
-
-    radius = settings.method.radius or camera.ao_radius or scene.default_radius()
-
-    def framed(one: Settings) -> tuple[Plan, Drawn]:
-        made = framing(scene, camera, size, one, renderer.ctx.max_size)
-        return made.plan(aovs), made.drawn
-
-    return Subject(draw, framed, camera, size, radius, layers=2)
-
-
-def of_arrays(
-    renderer: Renderer,
-    depth: NDArray[Any],
-    camera: Camera,
-    settings: Settings,
-    *,
-    color: NDArray[Any] | None = None,
-    normals: NDArray[Any] | None = None,
-    depth_kind: str = EYE_DEPTH,
-) -> Subject:
-    """Arrays that occlusion is applied to. Raises FormatError for shapes that do not fit."""
-    depth, color, normals = check_arrays(depth, color, normals)
-    size = (depth.shape[1], depth.shape[0])
-    outputs = ("visibility", "z", "normal", *(("image",) if color is not None else ()))
-
-    def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
-        every = smaller if min(size) >= smaller else 1
-        d, c, n = (None if a is None else np.ascontiguousarray(a[::every, ::every]) for a in (depth, color, normals))
-        return renderer.apply(d, camera, color=c, normals=n, depth_kind=depth_kind, settings=one, aovs=wanted, timed=timed)  # type: ignore[arg-type]
-
-    def framed(one: Settings) -> tuple[Plan, Drawn]:
-        made = plan_apply(one, size, depth=depth_kind, normals=normals is not None, outputs=outputs)
-        return made, Drawn(inside=None, covered=None)
-
-    radius = settings.method.radius or camera.ao_radius or radius_of(depth, camera, depth_kind)
-    return Subject(draw, framed, camera, size, radius, layers=1)
-
-
 def _template(settings: Settings | None) -> Settings:
     """Raises SettingsError for what the planner would overrule, or knows nothing of."""
     given = settings or Settings()
@@ -155,14 +93,10 @@ def _template(settings: Settings | None) -> Settings:
     return given
 
 
-def _smaller(size: Size, factor: int) -> Size:
-    return max(1, size[0] // factor), max(1, size[1] // factor)
-
-
 def _planned(
     renderer: Renderer, subject: Subject, target: Target, given: Settings, aovs: Sequence[str], cache: Path | None
 ) -> Choice:
-    rates = calibrated(renderer.ctx, cache or default_folder())
+    rates = calibrated(renderer, cache or default_folder())
     by, default = clock(renderer.ctx), Settings().method.name
     names = [] if given.method.name == default else [given.method.name]
     candidates = chosen_from(names, subject.layers)

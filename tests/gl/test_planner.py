@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.gl.context import Context
 from ssao_gl.pipeline import plan_render
 from ssao_gl.planner import calibration, plan_arrays
 from ssao_gl.planner.candidates import CANDIDATES, FAMILIES, chosen_from
@@ -48,11 +47,11 @@ def choice(any_renderer: ao.Renderer, embedded: Scene) -> Choice:
 def test_probe_frames_tell_rates_once(any_renderer: ao.Renderer, choice: Choice, cache: Path, monkeypatch: Any) -> None:
     """Of every pass but those that draw the scene, for every family; the next run draws none."""
 
-    def fail(ctx: Context) -> None:
+    def fail(renderer: ao.Renderer) -> None:
         raise AssertionError("probed again")
 
     monkeypatch.setattr(calibration, "probe", fail)
-    rates = calibration.calibrated(any_renderer.ctx, cache)
+    rates = calibration.calibrated(any_renderer, cache)
     for family in FAMILIES:
         settings = ao.Settings(method=family.candidates[0].made(1.0))
         drawn = {step.task.name for step in plan_render(settings, SIZE).steps}

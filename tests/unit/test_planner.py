@@ -248,6 +248,10 @@ def driver(**changes: str) -> Any:
     return SimpleNamespace(**{"provider": "egl-es", "renderer": "a renderer", "version": "OpenGL ES 3.2", **changes})
 
 
+def renderer(**changes: str) -> Any:
+    return SimpleNamespace(ctx=driver(**changes))
+
+
 def test_the_key_goes_by_driver_version_and_shaders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     copy = tmp_path / "shaders"
     shutil.copytree(sources.root(), copy)
@@ -269,8 +273,8 @@ def probes(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Counts probes, which draw nothing here."""
     drawn: list[str] = []
 
-    def probe(ctx: Any) -> dict[str, dict[str, Rate]]:
-        drawn.append(ctx.renderer)
+    def probe(of: Any) -> dict[str, dict[str, Rate]]:
+        drawn.append(of.ctx.renderer)
         return {family.name: {"bitmask": Rate(1, 2, 3, 4)} for family in FAMILIES}
 
     monkeypatch.setattr(calibration, "probe", probe)
@@ -278,9 +282,9 @@ def probes(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 
 def test_a_driver_is_probed_once(tmp_path: Path, probes: list[str]) -> None:
-    found = [calibration.calibrated(driver(), tmp_path / "cache") for _ in range(2)]
+    found = [calibration.calibrated(renderer(), tmp_path / "cache") for _ in range(2)]
     assert probes == ["a renderer"] and found[0] == found[1]
-    calibration.calibrated(driver(renderer="another"), tmp_path / "cache")
+    calibration.calibrated(renderer(renderer="another"), tmp_path / "cache")
     assert probes == ["a renderer", "another"]
 
 
@@ -288,13 +292,13 @@ def test_a_driver_is_probed_once(tmp_path: Path, probes: list[str]) -> None:
 def test_a_damaged_calibration_is_made_anew(
     tmp_path: Path, probes: list[str], caplog: pytest.LogCaptureFixture, content: str
 ) -> None:
-    found = calibration.calibrated(driver(), tmp_path)
+    found = calibration.calibrated(renderer(), tmp_path)
     (path,) = tmp_path.glob("planner-*.json")
     path.write_text(path.read_text().replace("1", "-1") if content == "NEGATIVE" else content)
     with caplog.at_level(logging.WARNING):
-        assert calibration.calibrated(driver(), tmp_path) == found
+        assert calibration.calibrated(renderer(), tmp_path) == found
     assert "is damaged" in caplog.text and len(probes) == 2
-    assert calibration.calibrated(driver(), tmp_path) == found and len(probes) == 2, "and is whole again"
+    assert calibration.calibrated(renderer(), tmp_path) == found and len(probes) == 2, "and is whole again"
 
 
 def test_a_cache_that_cannot_be_written_costs_a_warning(
@@ -302,7 +306,7 @@ def test_a_cache_that_cannot_be_written_costs_a_warning(
 ) -> None:
     (tmp_path / "file").write_text("")
     with caplog.at_level(logging.WARNING):
-        assert calibration.calibrated(driver(), tmp_path / "file" / "cache")
+        assert calibration.calibrated(renderer(), tmp_path / "file" / "cache")
     assert "probing again" in caplog.text and len(probes) == 1
 
 
