@@ -1,5 +1,6 @@
 // What there is to shade at full size: a depth buffer of 0 there, 1 on background and half way where blocks are open; and what
 // is left where nothing is drawn.
+#needs es300
 #include "lib/output.glsl"
 uniform vec2 u_texel;
 uniform vec2 u_per_block;  // blocks for each pixel, as uv of their image

@@ -17,6 +17,10 @@ EXAMPLES: Mapping[str, Mapping[str, sources.Define]] = {
     "gbuffer.vert": {"NORMAL": 1, "SMOOTH": 1},
     "pack.frag": {"PACKED": 1},
     "blur_joint.frag": {"PACKED": 1, "RADIUS": 2, "LAST": 1, "PINHOLE": 1},
+    "upsample.frag": {"PACKED": 1, "PINHOLE": 1},
+    "shrink.frag": {"TARGETS": 2, "SCALE": 2, "PIXELS": 4},
+    "bounds.frag": {"TARGETS": 2, "BLOCK": 16, "BELOW": 17},
+    "open.frag": {"BLOCK": 16},
     "blur_intensity.frag": {"PACKED": 1, "RADIUS": 4, "WIDTH": 4, "HEIGHT": 4, "LAST": 1},
 }
 """Defines that a shader cannot do without, as the default settings give them."""
