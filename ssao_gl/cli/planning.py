@@ -55,6 +55,12 @@ def compared(planned: Mapping[str, Any]) -> str:
     )
 
 
+def expected(choice: Choice) -> str:
+    """What is predicted of frames by a choice, on one line."""
+    one = choice.prediction
+    return f"planned: {one.name}, of {len(choice.considered)}; predicted {one.ms:.3g} ms and RMSE {one.error:.3f} ({CLOCKS[choice.clock]})"
+
+
 def listed(choice: Choice) -> dict[str, Any]:
     """Everything that was considered, as plain values."""
     return {

@@ -17,13 +17,14 @@ from ..errors import FormatError, SettingsError
 from ..files import claimed, make_folder
 from ..picture import Picture, save_animation
 from ..pipeline import AOVS, Settings
+from ..planner import Target
 from ..renderer import Renderer
 from ..scene import Scene
 from ..tiled import Job
 from ..tiles import layout
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, progress, say, write_json
-from .planning import PlanOptions, compared, drawn_at_once
+from .planning import PlanOptions, compared, drawn_at_once, expected
 from .tiling import TileOption, draw_tiles, summary
 
 ANIMATIONS = (".gif", ".webp", ".apng")
@@ -80,9 +81,7 @@ def render(
     camera = view.choose(loaded)
     with Renderer(gl) as renderer:
         if turntable:
-            if target:
-                settings = planner.plan(renderer, loaded, camera, size, target, settings, aovs=aovs).settings
-            _turn(renderer, loaded, camera, size, settings, aovs, output, turntable)
+            _turn(renderer, loaded, camera, size, settings, target, aovs, output, turntable)
             return 0
         settled = settings.with_radius(camera.ao_radius or loaded.default_radius())
         cut = layout(loaded, camera, size, settled, aovs, tile=tile, limit=renderer.ctx.max_size)
@@ -142,9 +141,13 @@ def _save(picture: Picture, output: Path, bits: int, json: Path | None) -> None:
 
 
 def _turn(
-    renderer: Renderer, scene: Scene, camera: Camera, size: tuple[int, int], settings: Settings,
+    renderer: Renderer, scene: Scene, camera: Camera, size: tuple[int, int], settings: Settings, target: Target | None,
     aovs: tuple[str, ...], output: Path, count: int,
 ) -> None:  # fmt: skip
+    if target:
+        choice = planner.plan(renderer, scene, camera, size, target, settings, aovs=aovs)
+        settings = choice.settings
+        say(expected(choice))
     frames = (renderer.render(scene, turned, size, settings, aovs=aovs) for turned in orbit(camera, scene, count))
     shown = progress(frames, "turntable", count)
     if output.suffix.lower() in ANIMATIONS:

@@ -198,7 +198,7 @@ def test_render_says_what_was_planned(tmp_path: Path, capsys: pytest.CaptureFixt
 
 def test_turntables_are_planned_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run("render", "--size", "64x48", "--max-error", "0.5", "--turntable", 2, "-o", tmp_path / "t", capsys=capsys)
-    assert code == 0 and "t/: 2 frames" in out and len(list((tmp_path / "t").iterdir())) == 2
+    assert code == 0 and out.startswith("planned: ") and "t/: 2 frames" in out and len(list((tmp_path / "t").iterdir())) == 2
 
 
 def test_apply_says_what_was_planned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
