@@ -5,9 +5,13 @@
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
 #include "lib/output.glsl"
+#include "lib/sum.glsl"
 
 uniform sampler2D u_packed;   // visibility and linear depth
 uniform sampler2D u_normal;
+#ifdef BENT
+uniform sampler2D u_lost;
+#endif
 uniform vec2 u_target_texel;  // 1 / size of the target
 uniform vec2 u_target_uv;     // uv of the image for each fragment of the target
 uniform vec2 u_next;          // one texel along the axis: of the target,
@@ -15,13 +19,17 @@ uniform vec2 u_step;          // and as uv of the image
 uniform LOW float u_weights[RADIUS + 1];
 uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w = 1)
 
-// A tap i texels along the axis: (visibility, 1) by its weight. Background (depth 0) weighs nothing.
+// Add a tap i texels along the axis. Background (depth 0) weighs nothing.
 // line is (a, b, d) and plane the plane's own distance, both in units of the tolerance.
-vec2 ssao_tap(vec2 uv, float i, LOW float weight, vec3 line, float plane) {
-    vec2 tap = ssao_unpack(SAMPLE(u_packed, uv + i * u_next).r);
+void ssao_tap(inout SsaoSum sum, vec2 uv, float i, LOW float weight, vec3 line, float plane) {
+    vec2 place = uv + i * u_next;
+    vec2 tap = ssao_unpack(SAMPLE(u_packed, place).r);
     float off = abs((line.x + i * line.y) * tap.y + i * line.z - plane);
-    LOW float fits = clamp(2.0 - off, 0.0, 1.0);
-    return tap.y > 0.0 ? vec2(tap.x, 1.0) * (fits * weight) : vec2(0.0);
+    LOW float fits = tap.y > 0.0 ? clamp(2.0 - off, 0.0, 1.0) : 0.0;
+    sum.open += vec2(tap.x, 1.0) * (fits * weight);
+#ifdef BENT
+    sum.lost += SAMPLE(u_lost, place).xyz * (fits * weight);
+#endif
 }
 
 void main() {
@@ -34,12 +42,19 @@ void main() {
 #endif
     line *= u_per_pixel / max(ssao_w(here.y), 1e-30);
     float plane = line.x * here.y;
-    vec2 sum = vec2(here.x, 1.0) * u_weights[0];
-#repeat RADIUS sum += ssao_tap(uv, float(@ + 1), u_weights[@ + 1], line, plane) + ssao_tap(uv, -float(@ + 1), u_weights[@ + 1], line, plane);
-    float visibility = sum.x / sum.y;
+    SsaoSum sum = ssao_nothing();
+    sum.open = vec2(here.x, 1.0) * u_weights[0];
+#ifdef BENT
+    sum.lost = SAMPLE(u_lost, uv).xyz * u_weights[0];
+#endif
+#repeat RADIUS ssao_tap(sum, uv, float(@ + 1), u_weights[@ + 1], line, plane); ssao_tap(sum, uv, -float(@ + 1), u_weights[@ + 1], line, plane);
+    float visibility = sum.open.x / sum.open.y;
 #ifdef LAST
     frag_color = vec4(here.y > 0.0 ? visibility : 1.0);
 #else
     frag_color = vec4(ssao_pack(visibility, here.y));
+#endif
+#ifdef BENT
+    ssao_write_bent(sum.lost / sum.open.y, n);
 #endif
 }

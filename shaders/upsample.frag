@@ -6,11 +6,15 @@
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
 #include "lib/output.glsl"
+#include "lib/sum.glsl"
 
 uniform sampler2D u_packed;   // small: visibility and linear depth
 uniform sampler2D u_z;
 uniform sampler2D u_normal;
 uniform sampler2D u_small_normal;
+#ifdef BENT
+uniform sampler2D u_lost;
+#endif
 uniform vec2 u_small_texel;   // 1 / size of the small image
 uniform float u_small_scale;  // pixels along each side of one of its texels
 uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w = 1)
@@ -27,8 +31,8 @@ struct SsaoPlane {
     float here;
 };
 
-// A texel: (visibility, 1) by its weight. nearest is (visibility, distance off the plane) of the one that is least off.
-vec2 ssao_tap(SsaoPlane plane, vec2 q, LOW float weight, inout vec2 nearest) {
+// Add a texel. nearest is (visibility, distance off the plane) of the one that is least off.
+void ssao_tap(inout SsaoSum sum, SsaoPlane plane, vec2 q, LOW float weight, inout vec2 nearest) {
     vec2 place = (plane.corner + q + 0.5) * u_small_texel;
     vec2 tap = ssao_unpack(SAMPLE(u_packed, place).r);
     vec2 turn = SAMPLE(u_small_normal, place).xy - plane.normal;  // as encoded: about the angle, and cheap
@@ -40,7 +44,10 @@ vec2 ssao_tap(SsaoPlane plane, vec2 q, LOW float weight, inout vec2 nearest) {
     nearest = off < nearest.y ? vec2(tap.x, off) : nearest;
     LOW float fits = clamp(2.0 - off, 0.0, 1.0);
     LOW float alike = clamp(1.5 - 4.0 * dot(turn, turn), 0.0, 1.0);
-    return vec2(tap.x, 1.0) * (fits * alike * weight);
+    sum.open += vec2(tap.x, 1.0) * (fits * alike * weight);
+#ifdef BENT
+    sum.lost += SAMPLE(u_lost, place).xyz * (fits * alike * weight);
+#endif
 }
 
 void main() {
@@ -64,14 +71,18 @@ void main() {
         dot(n.xy, u_org * first + u_org0), dot(n.xy, u_org[0]) * step.x, dot(n.xy, u_org[1]) * step.y);
 #endif
     vec2 nearest = vec2(1.0, 2e30);
-    vec2 sum = ssao_tap(plane, vec2(0.0), (1.0 - f.x) * (1.0 - f.y), nearest)
-        + ssao_tap(plane, vec2(1.0, 0.0), f.x * (1.0 - f.y), nearest)
-        + ssao_tap(plane, vec2(0.0, 1.0), (1.0 - f.x) * f.y, nearest)
-        + ssao_tap(plane, vec2(1.0, 1.0), f.x * f.y, nearest);
+    SsaoSum sum = ssao_nothing();
+    ssao_tap(sum, plane, vec2(0.0), (1.0 - f.x) * (1.0 - f.y), nearest);
+    ssao_tap(sum, plane, vec2(1.0, 0.0), f.x * (1.0 - f.y), nearest);
+    ssao_tap(sum, plane, vec2(0.0, 1.0), (1.0 - f.x) * f.y, nearest);
+    ssao_tap(sum, plane, vec2(1.0, 1.0), f.x * f.y, nearest);
     // Where next to nothing fits, the texel that is least off stands in.
-    float visibility = sum.y > 0.02 ? sum.x / sum.y : nearest.x;
+    float visibility = sum.open.y > 0.02 ? sum.open.x / sum.open.y : nearest.x;
     frag_color = vec4(z > 0.0 ? visibility : 1.0);
+#ifdef BENT
+    ssao_write_bent(sum.lost / max(sum.open.y, 0.02), n);
+#endif
 #ifdef REFINE
-    gl_FragDepth = z > 0.0 && sum.y < u_least ? 0.0 : 1.0;
+    gl_FragDepth = z > 0.0 && sum.open.y < u_least ? 0.0 : 1.0;
 #endif
 }

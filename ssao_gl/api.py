@@ -76,7 +76,7 @@ def render(
 
     scene: a path, a :class:`Scene`, a ``trimesh`` mesh or scene, or a ``pyrender.Scene``. camera: a :class:`Camera`, a camera
     file, or None for the scene's own or an automatic one. size: (width, height) in pixels. aovs: any of image,
-    visibility, depth, normal, color. budget_ms, max_error: method and options are chosen; see :func:`ssao_gl.plan`.
+    visibility, depth, normal, bent, color. budget_ms, max_error: method and options are chosen; see :func:`ssao_gl.plan`.
     """
     drawn = as_scene(scene)
     with Renderer(provider) as renderer:

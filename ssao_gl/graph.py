@@ -14,7 +14,7 @@ from typing import Any
 
 from .errors import GraphError, near_miss
 
-BYTES = {"r8": 1, "rgba8": 4, "rg16f": 4, "r32f": 4, "rgba32f": 16, "depth24": 4}
+BYTES = {"r8": 1, "rgba8": 4, "rg16f": 4, "rgba16f": 8, "r32f": 4, "rgba32f": 16, "depth24": 4}
 """Bytes a pixel of each texture format; ``depth24`` is a depth buffer, which passes are tested against but never sample."""
 
 DEPTH = "depth24"

@@ -22,7 +22,8 @@ class Picture:
 
     image: (h, w, 3) uint8 sRGB, or (h, w, 4) when the caller's colour had alpha. visibility: (h, w) float32, 1 = open,
     background exactly 1. depth: (h, w) float32, distance along the view axis in scene units, 0 = background. normal:
-    (h, w, 3) float32, unit, view space, (0, 0, 0) on background. color: (h, w, 3) uint8 sRGB base colour.
+    (h, w, 3) float32, unit, view space, (0, 0, 0) on background. bent: (h, w, 3) float32, the same of the mean of the open
+    directions by their cosines. color: (h, w, 3) uint8 sRGB base colour.
     """
 
     arrays: Mapping[str, NDArray[Any]]
@@ -70,7 +71,7 @@ class Picture:
 
     def as_png(self, name: str, bits: int = 8) -> NDArray[Any]:
         """An AOV as PNG shows it: visibility as grey, depth from near (bright) to far (dark) with background black, normals
-        as 0.5 + 0.5 n."""
+        and bent normals as 0.5 + 0.5 n."""
         array = self.arrays[name]
         return shown(name, array, bits, depth_span(array) if name == "depth" else None)
 
@@ -93,7 +94,7 @@ def shown(name: str, array: NDArray[Any], bits: int = 8, span: tuple[float, floa
         near, far = span or (0.0, 0.0)
         shade = 1 - 0.95 * (array - near) / max(far - near, 1e-30)
         return images.to_bytes(np.where(array > 0, shade, 0), bits)
-    if name == "normal":
+    if name in ("normal", "bent"):
         return images.to_bytes(np.where(np.any(array, axis=-1, keepdims=True), 0.5 + 0.5 * array, 0))
     return array
 

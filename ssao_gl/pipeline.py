@@ -15,13 +15,14 @@ from .graph import Pass, Plan, Test, compile
 from .methods import Method, method
 from .methods.bitmask import Bitmask
 from .passes import screen, skip, small
+from .passes.bent import BENT
 from .passes.blur import Blur, Joint
 from .settings import setting, validate
 from .sources import Define
 from .view import Size
 
-AOVS = ("image", "visibility", "depth", "normal", "color")
-"""What a picture can hold: shaded image, visibility, linear depth, view-space normals, base colour."""
+AOVS = ("image", "visibility", "depth", "normal", "bent", "color")
+"""What a picture can hold: shaded image, visibility, linear depth, view-space normals, mean open directions, base colour."""
 
 GUARD_STEP = 16
 
@@ -37,6 +38,7 @@ RESOURCES: Mapping[str, str] = {
     "visibility": "visibility",
     "depth": "z",
     "normal": "shading_normal",
+    "bent": BENT,
     "color": "color",
 }
 """AOV -> resource of the graph."""
@@ -154,11 +156,16 @@ class Leaving:
     why: str
 
 
-def leaving(settings: Settings, cover: Test | None, size: Size, triangles: int | None, *, flat_normals: bool) -> Leaving:
-    """What is left out. ``triangles`` of a scene that surrounds the camera; ``flat_normals``: normals are those that depth shows."""
+def leaving(
+    settings: Settings, cover: Test | None, size: Size, triangles: int | None, *, flat_normals: bool, bent: bool = False
+) -> Leaving:
+    """What is left out. ``triangles`` of a scene that surrounds the camera; ``flat_normals``: normals are those that depth shows;
+    ``bent``: bent normals are drawn too."""
     method, keep = settings.method, settings.keep
     background = "background" not in keep
     cover = cover if background else None
+    if bent and settings.blur is None and small_scale(settings) == 1:
+        return Leaving(background, cover, (), "bent normals without a filter are drawn everywhere")
     if getattr(method, "adaptive", False) and "adaptive" not in keep:
         return Leaving(background, cover, (screen.probe(method, skip.PROBE, skip.BLOCK), skip.probed_blocks()), "")
     taps = getattr(method, "slices", 1) * getattr(method, "steps", 0) / small_scale(settings) ** 2
@@ -178,8 +185,10 @@ def leaving(settings: Settings, cover: Test | None, size: Size, triangles: int |
     return Leaving(background, cover, () if why else (skip.bounds(), skip.open_blocks(method.radius, method.max_radius)), why)  # type: ignore[attr-defined]
 
 
-def _after_gbuffer(settings: Settings, left: Leaving) -> list[Pass]:
-    """All passes to ``visibility``."""
+def _after_gbuffer(settings: Settings, left: Leaving, *, bent: bool) -> list[Pass]:
+    """All passes to ``visibility``, and to bent normals."""
+    if bent:
+        _check_bent(settings)
     method, blur, scale, cover = settings.method, settings.blur, small_scale(settings), left.cover
     tile = getattr(method, "tile", 4)
     over = skip.UNTOUCHED if left.blocks else None
@@ -189,8 +198,8 @@ def _after_gbuffer(settings: Settings, left: Leaving) -> list[Pass]:
             screen.over_far(),
             *left.blocks,
             *([skip.todo(packed=packed)] if over else []),
-            screen.occlusion(method, packed=packed, test=Test(skip.TODO) if over else cover, over=over),
-            *(blur.passes(tile, cover) if blur else []),
+            screen.occlusion(method, packed=packed, test=Test(skip.TODO) if over else cover, over=over, bent=bent),
+            *_filters(blur, tile, cover, bent),
         ]
     least = getattr(method, "refine", 0.0)
     tolerance = blur.tolerance if isinstance(blur, Joint) else Joint().tolerance
@@ -198,11 +207,26 @@ def _after_gbuffer(settings: Settings, left: Leaving) -> list[Pass]:
     return [
         *left.blocks,
         small.shrink(scale, open_blocks=over is not None),
-        screen.occlusion(method, packed=True, scale=scale, test=todo, over=over),
-        *(blur.small_passes(tile, scale, seen if left.background else None) if isinstance(blur, Joint) else []),
-        small.upsample("small visibility" if blur else "raw", scale, tolerance, cover, least),
+        screen.occlusion(method, packed=True, scale=scale, test=todo, over=over, bent=bent),
+        *(blur.small_passes(tile, scale, seen if left.background else None, bent=bent) if isinstance(blur, Joint) else []),
+        small.upsample("small visibility" if blur else "raw", scale, tolerance, cover, least, bent=bent),
         *([screen.refine(method, small.MISSED)] if least else []),
     ]
+
+
+def _filters(blur: Blur | None, tile: int, cover: Test | None, bent: bool) -> list[Pass]:
+    """The filter's passes at full size."""
+    if isinstance(blur, Joint):
+        return blur.passes(tile, cover, bent=bent)
+    return blur.passes(tile, cover) if blur else []
+
+
+def _check_bent(settings: Settings) -> None:
+    """Raises SettingsError where bent normals cannot be had."""
+    if not hasattr(settings.method, "bent"):
+        raise SettingsError(f"bent: {settings.method.name} does not know which directions are open; use the method bitmask")
+    if settings.blur is not None and not isinstance(settings.blur, Joint):
+        raise SettingsError(f"bent: the filter {settings.blur.name} is for visibility alone; use joint, or none")
 
 
 def _at(precision: str, passes: Sequence[Pass]) -> list[Pass]:
@@ -225,8 +249,9 @@ def resources(aovs: Sequence[str]) -> list[str]:
         if name not in AOVS:
             raise SettingsError(f"unknown AOV '{name}'; there are {', '.join(AOVS)}.{near_miss(name, AOVS)}")
     wanted = [RESOURCES[name] for name in aovs]
-    # Normals are zero on background, which depth tells.
-    return list(dict.fromkeys([*wanted, *(["z"] if "normal" in aovs else [])]))
+    # Directions are zero on background, which depth tells. Bent normals are drawn beside visibility.
+    more = [*(["z"] if {"normal", "bent"} & set(aovs) else []), *(["visibility"] if "bent" in aovs else [])]
+    return list(dict.fromkeys([*wanted, *more]))
 
 
 def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",), *, triangles: int | None = None) -> Plan:
@@ -234,11 +259,11 @@ def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)
     from .passes.gbuffer import gbuffer, layer_behind
 
     flat = settings.normals == "geometric"
-    left = leaving(settings, Test(screen.COVER, far=True), size, triangles, flat_normals=flat)
+    left = leaving(settings, Test(screen.COVER, far=True), size, triangles, flat_normals=flat, bent="bent" in aovs)
     passes = [
         gbuffer(settings.shading.background_rgb, geometric=settings.normals == "geometric"),
         layer_behind(),
-        *_after_gbuffer(settings, left),
+        *_after_gbuffer(settings, left, bent="bent" in aovs),
         screen.composite(settings.shading.ambient, settings.shading.background_rgb, direct=True),
     ]
     return compile(_at(settings.precision, passes), size, resources(aovs), notes=_notes(settings, left))
@@ -268,12 +293,12 @@ def plan_apply(
         raise SettingsError(f"depth kind '{depth}'; must be 'eye' (distance along the view axis) or 'window' (0 to 1)")
     # A depth buffer of the image costs more memory than its one use costs time where occlusion is drawn at a smaller size.
     cover = Test(screen.COVER) if small_scale(settings) == 1 else None
-    left = leaving(settings, cover, size, None, flat_normals=not normals)
+    left = leaving(settings, cover, size, None, flat_normals=not normals, bent=BENT in outputs)
     notes = _notes(settings, left) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
     passes = [
         screen.linearize(window=depth == WINDOW_DEPTH, cover=left.cover is not None),
         screen.encode_normals() if normals else screen.normals_from_depth(),
-        *_after_gbuffer(settings, left),
+        *_after_gbuffer(settings, left, bent=BENT in outputs),
         screen.composite(settings.shading.ambient, (0.0, 0.0, 0.0), direct=False),
     ]
     inputs = ["depth", *(["normal_xyz"] if normals else []), *(["color"] if "image" in outputs else [])]

@@ -23,7 +23,7 @@ def aov(frame: Frame, name: str, *, alpha: bool = False) -> NDArray[Any]:
         return array[..., 0].astype(np.float32) / 255
     if name == "depth":
         return array[..., 0]
-    if name == "normal":
+    if name in ("normal", "bent"):
         f = np.minimum((array**2).sum(-1, keepdims=True), 4)
         normal = np.concatenate([array * np.sqrt(1 - f / 4), 1 - f / 2], -1)
         return np.where(flipped(frame.read("z")) > 0, normal, 0).astype(np.float32)

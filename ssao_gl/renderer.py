@@ -96,7 +96,7 @@ class Renderer:
     ) -> Picture:
         """Draw ``scene``; without ``camera`` the scene's own first one, else an automatic view.
 
-        ``aovs``: any of image, visibility, depth, normal, color. ``timed`` draws that many frames more and reports the median
+        ``aovs``: any of image, visibility, depth, normal, bent, color. ``timed`` draws that many frames more and reports the median
         milliseconds of each pass. ``budget_ms``, ``max_error``: method and options are chosen; see :func:`ssao_gl.planner.plan`.
         """
         if budget_ms is not None or max_error is not None:
@@ -210,7 +210,7 @@ class Renderer:
         settings = settings or Settings()
         if settings.method.radius is None:
             settings = settings.with_radius(camera.ao_radius or radius_of(depth, camera, depth_kind))
-        outputs = ("visibility", "z", "normal", *(("image",) if color is not None else ()))
+        outputs = ("visibility", "z", "normal", *(("bent",) if "bent" in aovs else ()), *(("image",) if color is not None else ()))
         frame = self._plan(
             ("apply", settings, size, depth_kind, normals is not None, outputs),
             lambda: plan_apply(settings, size, depth=depth_kind, normals=normals is not None, outputs=outputs),

@@ -5,13 +5,11 @@
 #include "lib/normal.glsl"
 #include "lib/pixel.glsl"
 #include "lib/output.glsl"
+#include "lib/sum.glsl"
 #include "lib/slice.glsl"
 #include "lib/bits.glsl"
 #ifdef FALLOFF
 #include "lib/falloff.glsl"
-#endif
-#if defined(FALLOFF) || defined(BENT)
-#define EACH  // it matters what each tap is the first to hide
 #endif
 
 // Few taps are written out one by one, which software renderers run a third faster; many would take them minutes to compile.
@@ -49,8 +47,8 @@ struct SsaoSweep {
 // What the taps of a slice have hidden so far.
 struct SsaoHidden {
     uint bits;
-#ifdef EACH
-    vec3 sum;  // over bits, by how much they count: direction in the slice, and 1
+#ifdef FALLOFF
+    float sum;  // of them, by how much they count
 #endif
 };
 
@@ -76,13 +74,9 @@ void ssao_hide(SsaoSweep w, vec2 offset, float z, float side, float thickness, f
     uint bits = side > 0.0 ? ssao_bits(near, far) : ssao_bits(far, near);
     // At the border a tap may be the pixel itself, whose depth in a smaller target is not the same to the last bits.
     bits = z > 0.0 && distance2 < 1.0 && front.x * side > 0.0 && offset != vec2(0.0) ? bits : 0u;
-#ifdef EACH
-    // Outwards, the first tap to hide a sector is what a ray there meets first.
-    float count = ssao_count(bits & ~hidden.bits);
 #ifdef FALLOFF
-    count *= ssao_rho(sqrt(min(distance2, 1.0)));
-#endif
-    hidden.sum += count * vec3(front * inversesqrt(clamp(distance2, 1e-30, 1.0)), 1.0);
+    // Outwards, the first tap to hide a sector is what a ray there meets first.
+    hidden.sum += ssao_count(bits & ~hidden.bits) * ssao_rho(sqrt(min(distance2, 1.0)));
 #endif
     hidden.bits |= bits;
 }
@@ -116,8 +110,24 @@ float ssao_room(vec2 at, vec2 way) {
     return min(room.x, room.y);
 }
 
-// (visibility, 1) of the slice in direction turn, by its weight.
-vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
+#ifdef BENT
+uniform sampler2D u_directions;  // of the eighths of a slice, (along, to the viewer), two in a texel; by the sine of gamma
+
+vec2 ssao_two(uint fours, vec4 directions) {
+    return float(fours & 15u) * directions.xy + float((fours >> 4u) & 15u) * directions.zw;
+}
+
+// The sum of the directions of the bits that are set.
+vec2 ssao_directions(uint bits, float sin_gamma) {
+    uint fours = ssao_fours(bits);
+    vec2 sum = vec2(0.0);
+#repeat 4 sum += ssao_two(fours >> uint(8 * @), SAMPLE(u_directions, vec2(0.5 + 0.498 * sin_gamma, (float(@) + 0.5) / 4.0)));
+    return sum;
+}
+#endif
+
+// Add the slice in direction turn.
+void ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset, inout SsaoSum sum) {
     vec3 along = ssao_along(v, turn);
     vec2 texels = ssao_texels(p, along) * (1.0 / (u_per_radius * ssao_w(-p.z)));
     float pixels = max(length(texels), 1e-6);
@@ -141,8 +151,8 @@ vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
     vec4 plus = vec4(0.0), minus = vec4(0.0);
     SsaoHidden hidden;
     hidden.bits = 0u;
-#ifdef EACH
-    hidden.sum = vec3(0.0);
+#ifdef FALLOFF
+    hidden.sum = 0.0;
 #endif
 #ifdef LOOPS
     for (int k = 0; k < STEPS; k++) ssao_step(w, float(k), plus, minus, hidden);
@@ -150,16 +160,23 @@ vec2 ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset) {
 #repeat STEPS ssao_step(w, float(@), plus, minus, hidden);
 #endif
 #ifdef FALLOFF
-    float share = hidden.sum.z / 32.0;
+    float count = hidden.sum;
 #else
-    float share = ssao_count(hidden.bits) / 32.0;
+    float count = ssao_count(hidden.bits);
 #endif
-    return vec2(1.0 - share, 1.0) * w.slice.weight;
+    sum.open += vec2(1.0 - count / 32.0, 1.0) * w.slice.weight;
+#ifdef BENT
+    vec2 lost = ssao_directions(hidden.bits, w.slice.normal.x);
+#ifdef FALLOFF
+    lost *= count / max(ssao_count(hidden.bits), 1.0);
+#endif
+    sum.lost += (lost.x * along + lost.y * v) * (w.slice.weight / float(32 * SLICES));
+#endif
 }
 
 // One slice more, and on to the direction of the next.
-void ssao_turn(SsaoPixel pixel, vec3 p, vec3 v, float offset, inout vec2 turn, inout vec2 sum) {
-    sum += ssao_sweep(pixel, p, v, turn, offset);
+void ssao_turn(SsaoPixel pixel, vec3 p, vec3 v, float offset, inout vec2 turn, inout SsaoSum sum) {
+    ssao_sweep(pixel, p, v, turn, offset, sum);
     turn = mat2(u_next_slice, -u_next_slice.y, u_next_slice.x) * turn;
 }
 
@@ -169,7 +186,7 @@ void main() {
     vec3 v = ssao_to_viewer(p);
     vec4 noise = SAMPLE(u_noise, gl_FragCoord.xy / u_noise_width);
     vec2 turn = noise.xy;
-    vec2 sum = vec2(0.0);
+    SsaoSum sum = ssao_nothing();
 #ifdef LOOPS
     for (int i = 0; i < SLICES; i++) ssao_turn(pixel, p, v, noise.z, turn, sum);
 #else
@@ -177,7 +194,10 @@ void main() {
 #endif
     // The weights of all directions are 1 on average, and the filter averages those of the tile: it finds the hidden share of the
     // whole hemisphere when each pixel's is taken times its weight. Near 1 that would be clipped, and it is left as it is.
-    float hidden = 1.0 - sum.x / max(sum.y, 1e-6), weight = sum.y / float(SLICES);
+    float hidden = 1.0 - sum.open.x / max(sum.open.y, 1e-6), weight = sum.open.y / float(SLICES);
     float deep = hidden * hidden * hidden * hidden;
     ssao_write(1.0 - hidden * mix(weight, 1.0, deep), pixel.z);
+#ifdef BENT
+    ssao_write_bent(sum.lost, pixel.n);
+#endif
 }

@@ -52,7 +52,7 @@ def apply(
         str | None,
         Parameter(
             group="Output",
-            help="What to write to a single file: image, visibility, depth or normal. [default: image for PNG with a COLOR, else visibility]",
+            help="What to write to a single file: image, visibility, depth, normal or bent. [default: image for PNG with a COLOR, else visibility]",
         ),
     ] = None,
     gl: GlOption = "auto",
@@ -77,9 +77,10 @@ def apply(
     seen, normal, picked = _read(color, depth, normals)
     h, w = seen.shape[:2]
     camera = _camera((w, h), yfov_deg, intrinsics, ortho, znear, zfar)
+    aovs = ("visibility", "depth", "normal", *(("bent",) if aov == "bent" else ()))
     with Renderer(gl) as renderer:
         picture = renderer.apply(
-            seen, camera, color=picked, normals=normal, depth_kind=depth_kind, settings=settings, timed=5 if json else 0,
+            seen, camera, color=picked, normals=normal, depth_kind=depth_kind, settings=settings, aovs=aovs, timed=5 if json else 0,
             budget_ms=goal.budget_ms, max_error=goal.max_error,
         )  # fmt: skip
     if aov is None and output.suffix.lower() == ".png":

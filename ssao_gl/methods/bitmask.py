@@ -103,3 +103,25 @@ class Bitmask:
         angle = (order + 0.5) / count * math.pi / self.slices
         offset = (order * 7 % count + 0.5) / count
         return {"u_noise": np.stack([np.cos(angle), np.sin(angle), offset, np.zeros_like(offset)], -1).astype(np.float32)}
+
+    def bent(self) -> Mapping[str, NDArray[np.float32]]:
+        """Lookups for bent normals."""
+        return {"u_directions": eighths()}
+
+
+def eighths(width: int = 128, steps: int = 4096) -> NDArray[np.float32]:
+    """Mean directions of the eighths of a slice's measure (4, width, 4), two in a texel: along the slice, and to the viewer.
+
+    Column i is for a normal in the slice at the angle gamma from the viewer, with sines evenly from -1 to 1; the measure of an
+    angle t from the viewer is ``cos(t - gamma) |sin t|`` (see ``shaders/lib/slice.glsl``).
+    """
+    gamma = np.arcsin(np.linspace(-1, 1, width))[:, None]
+    t = gamma + np.pi * ((np.arange(steps) + 0.5) / steps - 0.5)
+    measure = np.cos(t - gamma) * np.abs(np.sin(t))
+    share = (np.cumsum(measure, 1) - measure / 2) / measure.sum(1, keepdims=True)
+    part = np.minimum((8 * share).astype(int), 7)
+    sums = [
+        [np.bincount(p, m * f(a), 8) / np.bincount(p, m, 8) for p, m, a in zip(part, measure, t, strict=True)]
+        for f in (np.sin, np.cos)
+    ]
+    return np.stack(sums, -1).reshape(width, 4, 4).transpose(1, 0, 2).astype(np.float32)

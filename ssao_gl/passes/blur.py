@@ -13,6 +13,7 @@ from ..errors import SettingsError, near_miss
 from ..gl.frame import Stage
 from ..graph import Pass, Test, Tex
 from ..settings import setting, validate
+from .bent import beside
 
 
 class Blur(Protocol):
@@ -59,20 +60,21 @@ class Joint:
     def __post_init__(self) -> None:
         validate(self)
 
-    def passes(self, tile: int = 4, cover: Test | None = None) -> list[Pass]:
+    def passes(self, tile: int = 4, cover: Test | None = None, *, bent: bool = False) -> list[Pass]:
         names = ("raw", "blurred x", "visibility")
-        return [self._pass(axis, names[axis], names[axis + 1], tile, 1, cover) for axis in (0, 1)]
+        return [self._pass(axis, names[axis], names[axis + 1], tile, 1, cover, bent) for axis in (0, 1)]
 
-    def small_passes(self, tile: int, scale: int, test: Test | None) -> list[Pass]:
+    def small_passes(self, tile: int, scale: int, test: Test | None, *, bent: bool = False) -> list[Pass]:
         """The same at a smaller size, to ``small visibility``, which keeps depth for the way back to full size."""
         names = ("raw", "blurred x", "small visibility")
-        return [self._pass(axis, names[axis], names[axis + 1], tile, scale, test) for axis in (0, 1)]
+        return [self._pass(axis, names[axis], names[axis + 1], tile, scale, test, bent) for axis in (0, 1)]
 
-    def _pass(self, axis: int, source: str, result: str, tile: int, scale: int, test: Test | None) -> Pass:
+    def _pass(self, axis: int, source: str, result: str, tile: int, scale: int, test: Test | None, bent: bool) -> Pass:
         radius = self.radius or max(1, tile // 2)
         weights = gaussian(radius, self.sigma) if self.sigma > 0 else matched(radius)
         last = result == "visibility"
-        normal = "normal" if scale == 1 else "small normal"
+        more = beside(bent, source, result, scale)
+        samplers = {"u_packed": source, "u_normal": "normal" if scale == 1 else "small normal", **more.samplers}
 
         def draw(stage: Stage) -> None:
             texel, step = [0.0, 0.0], [0.0, 0.0]
@@ -83,12 +85,13 @@ class Joint:
                 "u_weights": weights,
                 "u_per_pixel": 1 / (self.tolerance * scale * stage.view.pixel),
             }
-            defines = {"PACKED": 1, "RADIUS": radius, **({"LAST": 1} if last else {})}
-            stage.fullscreen("blur_joint.frag", uniforms, {"u_packed": source, "u_normal": normal}, defines=defines)
+            defines = {"PACKED": 1, "RADIUS": radius, **({"LAST": 1} if last else {}), **more.defines}
+            stage.fullscreen("blur_joint.frag", uniforms, samplers, defines=defines)
 
         target = Tex("r8") if last else Tex("r32f", 1 / scale)
         clear = (1.0,) * 4 if last else (0.0,) * 4
-        return Pass(f"blur {'xy'[axis]}", (source, normal), {result: target}, draw, test=test, clear=clear)
+        writes = {result: target, **more.writes}
+        return Pass(f"blur {'xy'[axis]}", tuple(samplers.values()), writes, draw, test=test, clear=clear)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

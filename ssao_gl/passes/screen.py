@@ -9,7 +9,9 @@ from typing import Any
 from ..gl.frame import Stage
 from ..graph import Pass, Test, Tex
 from ..methods import Method
+from ..sources import Define
 from ..view import View
+from .bent import beside
 
 PIXEL = {
     False: {"u_pixel_z": "z", "u_pixel_normal": "normal"},
@@ -58,14 +60,18 @@ def over_far() -> Pass:
     return Pass("z over far", ("z",), {"z_over_far": Tex("r32f")}, draw)
 
 
-def occlusion(method: Method, *, packed: bool, scale: int = 1, test: Test | None = None, over: str | None = None) -> Pass:
+def occlusion(
+    method: Method, *, packed: bool, scale: int = 1, test: Test | None = None, over: str | None = None, bent: bool = False
+) -> Pass:
     """The method itself. ``packed`` hands visibility and depth in one texel to a blur, else it is the final visibility.
 
     ``scale`` above 1: at a smaller size, for the pixels that ``shrink`` chose. ``test``: which pixels need it.
-    ``over``: what holds the others' visibility, to draw on top of.
+    ``over``: what holds the others' visibility, to draw on top of. ``bent``: and bent normals.
     """
     name, target = ("raw", Tex("r32f", 1 / scale)) if packed else ("visibility", Tex("r8"))
-    return _occlusion(method, method.name, {name: target}, test, {name: over} if over else {})
+    more = beside(bent, None, name, scale)
+    writes = {name: target, **more.writes}
+    return _occlusion(method, method.name, writes, test, {name: over} if over else {}, more.defines)
 
 
 def refine(method: Method, missed: str) -> Pass:
@@ -77,22 +83,23 @@ def refine(method: Method, missed: str) -> Pass:
 def probe(method: Method, name: str, block: int) -> Pass:
     """``name``: the method for the pixel in the middle of each block alone, by more slices instead of a filter."""
     better = dataclasses.replace(method, slices=4, steps=6, tile=1)  # type: ignore[type-var]
-    return _occlusion(better, f"{method.name} probe", {name: Tex("r8", 1 / block)}, None, {}, probe=True)
+    return _occlusion(better, f"{method.name} probe", {name: Tex("r8", 1 / block)}, None, {}, {"PROBE": 1})
 
 
 def _occlusion(
-    method: Method, name: str, writes: Mapping[str, Tex], test: Test | None, over: Mapping[str, str], *, probe: bool = False
+    method: Method,
+    name: str,
+    writes: Mapping[str, Tex],
+    test: Test | None,
+    over: Mapping[str, str],
+    more: Mapping[str, Define] | None = None,
 ) -> Pass:
-    packed = "raw" in writes
+    more = more or {}
+    packed, probe = "raw" in writes, "PROBE" in more
     small = not probe and next(iter(writes.values())).scale < 1
-    defines = {
-        **method.defines(),
-        **({"PACKED": 1} if packed else {}),
-        **({"SMALL": 1} if small else {}),
-        **({"PROBE": 1} if probe else {}),
-    }
+    defines = {**method.defines(), **({"PACKED": 1} if packed else {}), **({"SMALL": 1} if small else {}), **more}
     samplers = {**method.samplers, **(PIXEL[small] if hasattr(method, "scale") else {})}
-    lookups = method.lookups()
+    lookups = {**method.lookups(), **(method.bent() if "BENT" in more else {})}  # type: ignore[attr-defined]
     seen: list[tuple[View, Mapping[str, Any]]] = []
 
     def draw(stage: Stage) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..gl.frame import Stage
 from ..graph import Pass, Test, Tex
 from . import skip
+from .bent import beside
 
 MISSED = "missed"
 """Depth buffer of the image: 0 where no small texel knows the pixel's surface."""
@@ -31,13 +32,15 @@ def shrink(scale: int, *, open_blocks: bool) -> Pass:
     return Pass("shrink", tuple(samplers.values()), writes, draw, depth=skip.TODO, clear=(0.0,) * 4)
 
 
-def upsample(source: str, scale: int, tolerance: float, cover: Test | None, least: float) -> Pass:
+def upsample(source: str, scale: int, tolerance: float, cover: Test | None, least: float, *, bent: bool = False) -> Pass:
     """``visibility`` from ``source`` (packed, small); texels count in full up to ``tolerance`` of theirs off the tangent plane.
 
     ``least`` above 0: ``upsampled`` instead, with a mask of the pixels whose texels together weigh less.
     """
-    defines = {"PACKED": 1, **({"REFINE": 1} if least else {})}
-    samplers = {"u_packed": source, "u_z": "z", "u_normal": "normal", "u_small_normal": "small normal"}
+    result = "upsampled" if least else "visibility"
+    more = beside(bent, source, result)
+    defines = {"PACKED": 1, **({"REFINE": 1} if least else {}), **more.defines}
+    samplers = {"u_packed": source, "u_z": "z", "u_normal": "normal", "u_small_normal": "small normal", **more.samplers}
 
     def draw(stage: Stage) -> None:
         w, h = Tex("r32f", 1 / scale).size(stage.view.size)
@@ -49,7 +52,7 @@ def upsample(source: str, scale: int, tolerance: float, cover: Test | None, leas
         }
         stage.fullscreen("upsample.frag", uniforms, samplers, defines=defines)
 
-    reads = tuple(samplers.values())
+    reads, writes = tuple(samplers.values()), {result: Tex("r8"), **more.writes}
     if least:  # a pass that writes depth cannot be tested against another
-        return Pass("upsample", reads, {"upsampled": Tex("r8")}, draw, depth=MISSED, clear=(1.0,) * 4)
-    return Pass("upsample", reads, {"visibility": Tex("r8")}, draw, test=cover, clear=(1.0,) * 4)
+        return Pass("upsample", reads, writes, draw, depth=MISSED, clear=(1.0,) * 4)
+    return Pass("upsample", reads, writes, draw, test=cover, clear=(1.0,) * 4)
