@@ -78,7 +78,8 @@ def rows(chosen: Iterable[Case]) -> list[tuple[str, ...]]:
 
 def bound(case: Case) -> str:
     """The bound of a case in words, with the contract under which it may be broken."""
-    number = f"{case.bound * 255:.0f}/255" if case.bound in (STEP, 2 * STEP) else f"{case.bound:g}"
+    steps = case.bound / STEP
+    number = f"{steps:.0f}/255" if 0.9 < steps < 9 and abs(steps - round(steps)) < 1e-3 else f"{case.bound:g}"
     why = f" ({case.why})" if case.why else ""
     contract = f"; contract '{case.contract}'" if case.contract else ""
     return f"{number}{why}{contract}"

@@ -1,17 +1,17 @@
-"""The named cases. Importing this package fills the table; groups stand in the order of the imports."""
+"""The named cases. Importing this package fills the table; groups stand in the order of ``__all__``."""
 
 from . import absent, cameras, formats, images, invariances, meshes, normals, radii, sizes, surfaces, texels
 
 __all__ = [
-    "absent",
-    "cameras",
+    "surfaces",
     "formats",
-    "images",
-    "invariances",
-    "meshes",
-    "normals",
+    "cameras",
     "radii",
     "sizes",
-    "surfaces",
     "texels",
+    "normals",
+    "meshes",
+    "invariances",
+    "images",
+    "absent",
 ]
