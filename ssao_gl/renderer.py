@@ -210,7 +210,13 @@ class Renderer:
         settings = settings or Settings()
         if settings.method.radius is None:
             settings = settings.with_radius(camera.ao_radius or radius_of(depth, camera, depth_kind))
-        outputs = ("visibility", "z", "normal", *(("bent",) if "bent" in aovs else ()), *(("image",) if color is not None else ()))
+        outputs = (
+            "visibility",
+            "z",
+            "normal",
+            *(("bent",) if "bent" in aovs else ()),
+            *(("image",) if color is not None else ()),
+        )
         frame = self._plan(
             ("apply", settings, size, depth_kind, normals is not None, outputs),
             lambda: plan_apply(settings, size, depth=depth_kind, normals=normals is not None, outputs=outputs),
