@@ -19,6 +19,9 @@ from .view import Matrix, Size, View
 
 ClipRange = Literal["-1..1", "0..1"]
 
+NARROWEST = 1e-6
+"""Smallest field of view, radians, and smallest distance of one from a straight angle."""
+
 
 class Lens(Hashable, Protocol):
     """Anything that gives a projection matrix for an image size."""
@@ -37,8 +40,8 @@ class Perspective:
     zfar: float | None = None
 
     def __post_init__(self) -> None:
-        if not 0 < self.yfov < math.pi:
-            raise SettingsError(f"camera: yfov is {self.yfov:g} radians; it must lie between 0 and pi")
+        if not NARROWEST <= self.yfov <= math.pi - NARROWEST:
+            raise SettingsError(f"camera: yfov is {self.yfov:g} radians; it must lie between 0 and pi, and not at either")
         _check_range(self.znear, self.zfar)
 
     def matrix(self, size: Size) -> Matrix:
@@ -59,6 +62,8 @@ class Orthographic:
             raise SettingsError(f"camera: an orthographic height of {self.height:g}; it must be above 0")
         if not self.zfar > self.znear:
             raise SettingsError(f"camera: zfar={self.zfar:g} must lie behind znear={self.znear:g}")
+        if not (math.isfinite(self.znear) and math.isfinite(self.zfar)):
+            raise SettingsError("camera: the clip planes of a parallel projection must be finite")
 
     def matrix(self, size: Size) -> Matrix:
         m = np.eye(4)
@@ -87,6 +92,8 @@ class Pinhole:
     def __post_init__(self) -> None:
         if not (self.fx > 0 and self.fy > 0 and self.width > 0 and self.height > 0):
             raise SettingsError("camera: fx, fy, width and height of a pinhole camera must be above 0")
+        if not all(map(math.isfinite, (self.fx, self.fy, self.cx, self.cy))):
+            raise SettingsError("camera: fx, fy, cx and cy of a pinhole camera must be finite")
         _check_range(self.znear, self.zfar)
 
     def matrix(self, size: Size) -> Matrix:

@@ -209,7 +209,7 @@ def _culled(passes: Iterable[Pass], steps: Sequence[Step], frame: tuple[int, int
     run = [step.task for step in steps]
     for task in passes:
         if task not in run:
-            scale = next(iter(task.writes.values())).scale
+            scale = next((tex.scale for tex in task.writes.values()), 1.0)
             targets = [*task.writes.values(), *([Tex(DEPTH, scale)] if task.depth else [])]
             culled[task.name] = "nothing wants what it writes"
             saved[task.name] = sum(Slot(tex.format, tex.size(frame)).bytes for tex in targets)

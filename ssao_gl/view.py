@@ -38,13 +38,29 @@ class View:
 
     def __post_init__(self) -> None:
         m = self.projection
+        if not np.isfinite(m).all():
+            raise SettingsError("camera: the projection has numbers that are not finite")
         scale = np.abs(m[:2, :2]).max()
-        if not np.isfinite(m).all() or abs(np.linalg.det(m[:2, :2])) < 1e-12 * scale**2 or not scale:
+        if not scale or abs(np.linalg.det(m[:2, :2] / scale)) < 1e-12:
             raise SettingsError("camera: the projection flattens the image (its upper left 2x2 block is singular)")
         if np.abs(m[3, :2]).max() > 1e-9 * np.abs(m[3]).max():
             raise SettingsError("camera: projections whose w depends on x or y are not supported")
         if m[3, 2] > 0:
             raise SettingsError("camera: the projection looks along +z; ssao_gl's view space looks along -z")
+        self._check_constants()
+
+    def _check_constants(self) -> None:
+        """What shaders get must be finite as 32-bit floats."""
+        try:
+            with np.errstate(all="ignore"):
+                parts = [*self.constants.values(), *self.depth_constants.values(), self.pixel, self.near]
+                usable = all(np.isfinite(np.asarray(part, np.float32)).all() for part in parts)
+        except np.linalg.LinAlgError:
+            raise SettingsError(
+                "camera: the projection cannot be inverted; do its rows for depth and w say anything?"
+            ) from None
+        if not usable or not self.pixel > 0 or not self.near < self.far:
+            raise SettingsError("camera: the projection's numbers are too large or too small for 32-bit floats")
 
     @property
     def w1(self) -> float:
