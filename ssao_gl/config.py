@@ -68,7 +68,9 @@ def settings_from(
             chosen[part] = assign(chosen[part], values)
         elif group not in registry() and group not in {f"blur_{b}" for b in BLURS}:  # others' settings may stay in a file
             known = [*groups, "blur"]
-            raise SettingsError(f"unknown group of settings '{group}'; there are {', '.join(known)}.{near_miss(group, known)}")
+            raise SettingsError(
+                f"unknown group of settings '{group}'; there are {', '.join(known)}." + near_miss(group, [*known, *registry()])
+            )
 
     for key, value in table.items():
         if isinstance(value, Mapping):
