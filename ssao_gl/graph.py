@@ -242,6 +242,11 @@ def _writers(passes: Iterable[Pass], inputs: Collection[str]) -> dict[str, Pass]
         if task.name in names:
             raise GraphError(f"two passes are called '{task.name}'")
         names.add(task.name)
+        if not task.writes:
+            raise GraphError(f"pass '{task.name}' writes nothing; it must write at least one target")
+        for name in (*task.over.values(), *((task.test.name,) if task.test else ())):
+            if name in inputs:
+                raise GraphError(f"pass '{task.name}' draws over '{name}', or is tested against it, which is the caller's")
         for name, tex in {**task.writes, **({task.depth: Tex(DEPTH)} if task.depth else {})}.items():
             if name in writer or name in inputs:
                 other = f"pass '{writer[name].name}'" if name in writer else "the caller, as an input"

@@ -40,8 +40,9 @@ class View:
         m = self.projection
         if not np.isfinite(m).all():
             raise SettingsError("camera: the projection has numbers that are not finite")
-        scale = np.abs(m[:2, :2]).max()
-        if not scale or abs(np.linalg.det(m[:2, :2] / scale)) < 1e-12:
+        with np.errstate(all="ignore"):
+            rows = m[:2, :2] / np.linalg.norm(m[:2, :2], axis=1, keepdims=True)
+        if not abs(np.linalg.det(rows)) > 1e-12:
             raise SettingsError("camera: the projection flattens the image (its upper left 2x2 block is singular)")
         if np.abs(m[3, :2]).max() > 1e-9 * np.abs(m[3]).max():
             raise SettingsError("camera: projections whose w depends on x or y are not supported")
