@@ -42,6 +42,14 @@ def unreadable(path: Path, *, empty: bool = False) -> str | None:
         return str(error)
 
 
+def is_folder(path: Path) -> bool:
+    """Whether ``path`` is a folder; also a name that no file can have is none, where Path raises OSError."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
+
+
 @contextmanager
 def written(path: Path) -> Iterator[Path]:
     """A temporary path to write to, moved to ``path`` when the block ends well and removed when it does not.
@@ -151,6 +159,12 @@ def _is(held: os.stat_result, place: Path) -> bool:
 
 def check_writable(path: Path, *, folder: bool = False) -> None:
     """Raise FormatError, before any work is done, when a file (or a folder and files in it) cannot be made at ``path``."""
+    try:
+        path.lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except (OSError, ValueError) as error:  # ValueError: a null byte
+        raise FormatError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from None
     place = path if folder else path.parent
     while folder and not place.exists() and place != place.parent:
         place = place.parent

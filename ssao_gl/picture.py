@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import images
 from .errors import FormatError
-from .files import claimed, make_folder, written
+from .files import claimed, is_folder, make_folder, written
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,14 +51,14 @@ class Picture:
         Returns the paths written. Raises FormatError.
         """
         path = Path(path)
-        if path.suffix.lower() in images.SUFFIXES and not path.is_dir():
+        if path.suffix.lower() in images.SUFFIXES and not is_folder(path):
             default = "image" if path.suffix.lower() == ".png" else "visibility"
             name = aov or (default if default in self.arrays else next(iter(self.arrays)))
             if name not in self.arrays:
                 raise FormatError(f"this picture has no '{name}'; it has {', '.join(self.arrays)}")
             images.save(path, self.as_png(name, bits) if path.suffix.lower() == ".png" else self.arrays[name], texts=self.texts)
             return [path]
-        if path.suffix and not path.is_dir():
+        if path.suffix and not is_folder(path):
             raise FormatError(f"cannot write {path}: suffix '{path.suffix}'; use {', '.join(images.SUFFIXES)}, or a folder")
         make_folder(path)
         done = []

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from . import images, sources
 from .camera import Camera
 from .errors import FormatError
-from .files import make_folder
+from .files import is_folder, make_folder
 from .mosaic import Mosaic
 from .picture import depth_span, shown, texts
 from .pipeline import Settings, plan_render
@@ -57,7 +57,7 @@ class Job:
     @property
     def single(self) -> bool:
         """Whether the output is one file."""
-        return self.output.suffix.lower() in images.SUFFIXES and not self.output.is_dir()
+        return self.output.suffix.lower() in images.SUFFIXES and not is_folder(self.output)
 
     @property
     def folder(self) -> Path:

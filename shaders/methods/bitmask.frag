@@ -84,7 +84,7 @@ void ssao_hide(SsaoSweep w, vec2 offset, float z, float side, float thickness, f
 void ssao_texel(
     SsaoSweep w, vec2 way, float side, float thickness, float ahead, inout vec4 last, inout SsaoHidden hidden
 ) {
-    vec2 offset = floor(w.at + way) + 0.5 - w.at;
+    vec2 offset = floor(way + 0.5);  // free of where the pixel lies, so a picture in tiles has the taps of a whole one
     vec2 tap = (w.at + offset) * u_texel;
     ssao_hide(w, offset, SAMPLE(u_z, tap).r * u_per_radius, side, thickness, ahead, last.xy, hidden);
 #ifdef SECOND_LAYER

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..errors import FormatError, SettingsError, near_miss
-from ..files import check_writable, written
+from ..files import check_writable, is_folder, unreadable, written
 from ..inputs import check_size
 
 Item = TypeVar("Item")
@@ -61,13 +61,13 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
 def check_output(option: str, path: Path, suffixes: Sequence[str], *, folder: bool = False) -> None:
     """Raise FormatError, before any work is done, when ``path`` cannot be written or has a suffix that is not known."""
     known = ", ".join(suffixes) + (", or a folder" if folder else "")
-    if folder and path.is_dir():
+    if folder and is_folder(path):
         check_writable(path, folder=True)
     elif path.suffix.lower() in suffixes:
         check_writable(path)
     elif path.suffix or not folder:
         raise FormatError(f"{option} {path}: unknown suffix '{path.suffix}'; use {known}.{near_miss(path.suffix, suffixes)}")
-    elif path.exists():
+    elif unreadable(path, empty=True) is None:
         raise FormatError(f"{option} {path}: is a file; use a name that ends in {known}")
     else:
         check_writable(path, folder=True)

@@ -82,7 +82,8 @@ def test_tiles_are_the_whole(any_renderer: ao.Renderer, embedded: Scene, view: s
 
     Vertices are rounded to fractions of a pixel after the projection, which differs, so a tap that hits the border of
     two texels may take the other one. A seam along the tiles would be a hundred times as many pixels. At the rim of the
-    picture the filter of a whole one does not see what is drawn around it, that of a tile does.
+    picture the filter of a whole one does not see what is drawn around it, that of a tile does. What differs in one pixel of
+    a smaller target shows in the pixels of its neighbours too, by bilinear weights: four times as many.
     """
     scene, cam = views(embedded)[view]
     made = settings(name, blur)
@@ -92,7 +93,8 @@ def test_tiles_are_the_whole(any_renderer: ao.Renderer, embedded: Scene, view: s
         off = off[RIM:-RIM, RIM:-RIM]
     if scene is not embedded:
         assert off.max() <= STEP
-    assert (off > STEP).mean() <= 1e-4 and (off > 0).mean() <= 1e-3
+    spread = 4 if getattr(made.method, "scale", 1) > 1 else 1
+    assert (off > STEP).mean() <= spread * 1e-4 and (off > 0).mean() <= 1e-3
 
 
 @pytest.mark.parametrize("blur", [ao.LectureBlur(), ao.Separable(radius=8)], ids=["lecture", "separable"])
