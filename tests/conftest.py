@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 import ssao_gl as ao
 from ssao_gl.default_scene import default_scene
@@ -15,6 +16,11 @@ from ssao_gl.gl.providers import PROVIDERS
 
 EXPECTED = [name for name in os.environ.get("SSAO_GL_EXPECT", "").split(",") if name]
 """Providers whose absence is a failure."""
+
+
+# The same examples in every run, so that a change is judged by itself; HYPOTHESIS_PROFILE=default looks for new ones.
+settings.register_profile("same", derandomize=True, deadline=None)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 
 @cache

@@ -150,7 +150,7 @@ def test_any_settings_file(tmp_path: Path, text: str) -> None:
     path.write_bytes(text.encode("utf-8", "surrogatepass"))
     table = refused(lambda: read_toml(path))
     if table is not None:
-        assert table == tomllib.loads(path.read_text("utf-8"))
+        assert repr(table) == repr(tomllib.loads(path.read_text("utf-8")))  # nan is not equal to itself
         refused(lambda: settings_from(table))
 
 
