@@ -5,18 +5,16 @@ from __future__ import annotations
 import io
 import logging
 import os
-import signal
 import sys
 import traceback
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, CycloptsError, Parameter
 
 from ..errors import SettingsError, SsaoError, near_miss
+from . import signals
 from .options import settings_help
 
 EXIT_INTERRUPTED = 130
@@ -88,7 +86,7 @@ def main(arguments: list[str] | None = None) -> None:
                 errors="backslashreplace"
             )  # a terminal or pipe that cannot show a character is no reason to fail
     try:
-        with _terminable():
+        with signals.raised():
             code = app.meta(tokens, exit_on_error=False, print_error=False, result_action="return_value")
             sys.stdout.flush()
     except BrokenPipeError:  # the reader went away; there is nobody to tell, now or when Python flushes at its end
@@ -117,21 +115,3 @@ def _verdict(error: BaseException) -> tuple[int, str]:
         case OSError():
             return 2, f"{error.filename or 'standard output'}: {error.strerror or error}"
     return 2, f"unforeseen {type(error).__name__}: {' '.join(str(error).split())[:200]}  (-v shows where; please report it)"
-
-
-@contextmanager
-def _terminable() -> Iterator[None]:
-    """SIGTERM ends the process as an exception does: half-written files are removed on the way."""
-
-    def leave(number: int, frame: object) -> None:
-        raise SystemExit(128 + number)
-
-    try:
-        before = signal.signal(signal.SIGTERM, leave)
-    except ValueError:  # only the main thread may
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)

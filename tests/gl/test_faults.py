@@ -60,8 +60,10 @@ def files(folder: Path) -> list[str]:
 
 
 def whole(folder: Path) -> None:
-    """Everything in ``folder`` can be read to its end."""
+    """Every output in ``folder`` can be read to its end. Names with a dot are what is at work, or was when it was killed."""
     for path in folder.rglob("*"):
+        if any(part.startswith(".") for part in path.relative_to(folder).parts):
+            continue
         if path.suffix in (".png", ".npy", ".exr"):
             images.load(path)
         elif path.suffix in (".gif", ".webp", ".apng"):
