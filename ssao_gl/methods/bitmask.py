@@ -41,8 +41,8 @@ class Bitmask:
         "draft": {"scale": 4, "steps": 5},
         "low": {"scale": 2, "steps": 5},
         "medium": {},
-        "high": {"scale": 1, "tile": 4, "slices": 1, "steps": 11},
-        "ultra": {"scale": 1, "tile": 4, "slices": 1, "steps": 13, "layers": 2, "thickness": 0.2, "bridge": 2.0},
+        "high": {"scale": 1, "tile": 4, "slices": 1, "steps": 10},
+        "ultra": {"scale": 1, "tile": 4, "slices": 1, "steps": 12, "layers": 2, "thickness": 0.2, "bridge": 2.0},
     }
 
     radius: float | None = setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
@@ -66,7 +66,7 @@ class Bitmask:
         0.04, "of the image's height, drawn around it (by a renderer) so that taps see what lies beside", low=0, high=1
     )
     max_radius: float = setting(
-        256.0, "largest footprint; nearer surfaces get a smaller reach", unit="pixels", low=1, high=4096
+        1024.0, "largest footprint; nearer surfaces get a smaller reach", unit="pixels", low=1, high=4096
     )
 
     def __post_init__(self) -> None:

@@ -13,7 +13,7 @@ from ..view import View
 BLOCK = 16
 """Side of a block, pixels."""
 
-STEPS = 10
+STEPS = 12
 """Taps to a side of all slices of a pixel from which on looking for open blocks may pay."""
 TRIANGLE = 8
 """Pixels for each triangle from which on faces may fill blocks."""

@@ -78,8 +78,8 @@ FAMILIES = (
     Family("bitmask", {"scale": 4}, "steps", (3, 5, 8), (5, 10)),
     Family("bitmask", {"scale": 2}, "steps", (3, 5, 7, 10, 14), (5, 10)),
     Family("bitmask", {"scale": 2, **SECOND_LAYER}, "steps", (5, 8, 12), (5, 12)),
-    Family("bitmask", FULL_SIZE, "steps", (5, 8, 11, 16), (5, 11)),
-    Family("bitmask", {**FULL_SIZE, **SECOND_LAYER}, "steps", (8, 13, 20), (8, 13)),
+    Family("bitmask", FULL_SIZE, "steps", (5, 8, 10, 16), (5, 10)),
+    Family("bitmask", {**FULL_SIZE, **SECOND_LAYER}, "steps", (8, 12, 20), (8, 12)),
     Family("alchemy", {}, "samples", (4, 8, 16, 32), (4, 16)),
 )
 

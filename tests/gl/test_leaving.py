@@ -60,13 +60,13 @@ def test_rules_change_nothing(renderer: ao.Renderer, preset: str, embedded: Scen
 def test_open_blocks_are_found_where_they_pay(any_renderer: ao.Renderer) -> None:
     """In the room of flat faces; and those that are found are open."""
     scene, cam = room()
-    chosen = settings("high", radius=0.3)
+    chosen = settings("ultra", radius=0.3)
     with any_renderer.ctx.current():
         _, frame, view, where = any_renderer._ready(scene, cam, (640, 360), chosen, ("visibility",))
         frame.run(view, context=any_renderer._scene, **where)
         found = frame.read("open blocks")[..., 0] > 0
     assert found.mean() > 0.4
-    off = any_renderer.render(scene, cam, (640, 360), settings("high", KEEP_ALL, 0.3), aovs=("visibility",)).visibility
+    off = any_renderer.render(scene, cam, (640, 360), settings("ultra", KEEP_ALL, 0.3), aovs=("visibility",)).visibility
     border = where["inside"][0] if where["inside"] else 0
     blocks = np.kron(found, np.ones((16, 16), bool))[border : border + 360, border : border + 640][::-1]
     assert off[blocks].min() == 1.0

@@ -33,7 +33,7 @@ def test_background_before_an_object(any_renderer: ao.Renderer, embedded: Scene)
 def test_open_blocks_of_a_room(any_renderer: ao.Renderer) -> None:
     """Blocks lie where the picture is open: their rows and columns are those of the image."""
     scene, cam = room()
-    chosen, size = settings("high", radius=0.3), (640, 360)
+    chosen, size = settings("ultra", radius=0.3), (640, 360)
     background, blocks, together = savings(any_renderer, scene, cam, size, chosen, rounds=1)
     assert background.pixels == 1.0 and blocks.rule == "open"
     assert blocks.pixels == together.pixels < 0.7 and blocks.difference == blocks.bound == 0
@@ -69,5 +69,5 @@ def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_shares_at_sizes_that_blocks_do_not_divide(any_renderer: ao.Renderer) -> None:
     scene, cam = room()
-    covered, closed = shaded(any_renderer, scene, cam, (333, 187), settings("high", radius=0.3))
+    covered, closed = shaded(any_renderer, scene, cam, (333, 187), settings("ultra", radius=0.3))
     assert covered.shape == closed.shape == (187, 333) and np.any(~closed)

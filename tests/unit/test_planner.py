@@ -181,8 +181,8 @@ def test_a_frame_predicts_itself_and_what_its_rates_say_of_others() -> None:
 
 def test_a_frame_says_what_it_knows_nothing_of() -> None:
     ms = dict.fromkeys((step.task.name for step in PLAN.steps), 1.0)
-    plan = plan_render(ao.Settings(method=CANDIDATES["bitmask high"][1].made(1.0)), (640, 360), triangles=12)
-    surrounded = Framed(plan, NOWHERE, "bitmask", 11)
+    plan = plan_render(ao.Settings(method=CANDIDATES["bitmask ultra"][1].made(1.0)), (640, 360), triangles=12)
+    surrounded = Framed(plan, NOWHERE, "bitmask", 12)
     known = {step.task.name: Rate(0, 1, 0) for step in plan.steps if "block" not in step.task.name}
     frame = Measured.of(FRAMED, ms, 1.0, known)
     assert not frame.lacks(FRAMED, known) and frame.lacks(surrounded, known)
