@@ -48,53 +48,78 @@ def settings_from(
     unknown.
     """
     table = dict(table or {})
-    chosen: dict[str, Any] = {
-        "method": preset(method_name or _text(table, "method", DEFAULT_METHOD), preset_name or _text(table, "preset", "")),
-        "blur": blur(blur_name or _text(table, "blur", "joint")),
-        "shading": Shading(),
-        "normals": _text(table, "normals", "geometric"),
-        "precision": _text(table, "precision", "high"),
-    }
-    chosen["keep"] = _rules([*_names(table, "keep"), *keep])
-    name = chosen["method"].name
-    groups = {name: "method", "method": "method", "shading": "shading"}
-    groups |= {f"blur_{chosen['blur'].name}": "blur"} if chosen["blur"] else {}
+    chosen = _Chosen(
+        {
+            "method": preset(method_name or _text(table, "method", DEFAULT_METHOD), preset_name or _text(table, "preset", "")),
+            "blur": blur(blur_name or _text(table, "blur", "joint")),
+            "shading": Shading(),
+            "normals": _text(table, "normals", "geometric"),
+            "precision": _text(table, "precision", "high"),
+            "keep": _rules([*_names(table, "keep"), *keep]),
+        }
+    )
+    for key, value in table.items():
+        chosen.put_entry(key, value)
+    for text in assignments:
+        chosen.put_text(text)
+    for key, value in (overrides or {}).items():
+        if value is not None:
+            chosen.put_field(key, value)
+    return Settings(**chosen.parts)
 
-    def put(group: str, values: Mapping[str, Any]) -> None:
-        if group == "blur" and chosen["blur"] is None:
+
+@dataclasses.dataclass(frozen=True)
+class _Chosen:
+    """Settings in the making: their fields by name."""
+
+    parts: dict[str, Any]
+
+    @property
+    def method(self) -> str:
+        return str(self.parts["method"].name)
+
+    def put(self, group: str, values: Mapping[str, Any]) -> None:
+        """Values of a group: ``shading``, ``blur``, or a method or a filter by its name."""
+        groups = {self.method: "method", "method": "method", "shading": "shading"}
+        if self.parts["blur"] is not None:
+            groups |= dict.fromkeys(("blur", f"blur_{self.parts['blur'].name}"), "blur")
+        elif group == "blur":
             raise SettingsError("there is no blur to set anything of: blur is 'none'")
-        part = "blur" if group == "blur" else groups.get(group)
-        if part is not None:
-            chosen[part] = assign(chosen[part], values)
+        if part := groups.get(group):
+            self.parts[part] = assign(self.parts[part], values)
         elif group not in registry() and group not in {f"blur_{b}" for b in BLURS}:  # others' settings may stay in a file
-            known = [*groups, "blur"]
+            known = list(dict.fromkeys([*groups, "blur"]))
             raise SettingsError(
                 f"unknown group of settings '{group}'; there are {', '.join(known)}." + near_miss(group, [*known, *registry()])
             )
 
-    for key, value in table.items():
+    def put_entry(self, key: str, value: Any) -> None:
+        """An entry of a TOML file."""
         if isinstance(value, Mapping):
-            put(key, value)
+            self.put(key, value)
         elif key not in NAMES:
-            raise SettingsError(f"unknown setting '{key}'; groups are tables, like [{name}].{near_miss(key, NAMES)}")
-    for text in assignments:
+            raise SettingsError(f"unknown setting '{key}'; groups are tables, like [{self.method}].{near_miss(key, NAMES)}")
+
+    def put_text(self, text: str) -> None:
+        """``key=value`` or ``group.key=value``."""
         key, equals, value = text.partition("=")
         if not equals:
             raise SettingsError(f"--set {text}: must be key=value or group.key=value")
-        if key.strip() in ("normals", "precision"):
-            chosen[key.strip()] = value.strip()
-            continue
-        group, dot, field = key.strip().partition(".")
-        if dot and group in registry() and group != name:
-            raise SettingsError(f"--set {text}: the method is {name}, not {group}; add --method {group}")
-        put(group if dot else name, {field if dot else group: value.strip()})
-    fields = {f.name for f in dataclasses.fields(chosen["method"])}
-    for key, value in (overrides or {}).items():
-        if value is not None:
-            if key not in fields:
-                raise SettingsError(f"--{key}: {name} has no such setting; it has {', '.join(sorted(fields))}")
-            chosen["method"] = assign(chosen["method"], {key: value})
-    return Settings(**chosen)
+        key, value = key.strip(), value.strip()
+        if key in ("normals", "precision"):
+            self.parts[key] = value
+            return
+        group, dot, field = key.partition(".")
+        if dot and group in registry() and group != self.method:
+            raise SettingsError(f"--set {text}: the method is {self.method}, not {group}; add --method {group}")
+        self.put(group if dot else self.method, {field if dot else group: value})
+
+    def put_field(self, key: str, value: Any) -> None:
+        """A field of the method, by an option of its own."""
+        fields = sorted(f.name for f in dataclasses.fields(self.parts["method"]))
+        if key not in fields:
+            raise SettingsError(f"--{key}: {self.method} has no such setting; it has {', '.join(fields)}")
+        self.parts["method"] = assign(self.parts["method"], {key: value})
 
 
 def preset(name: str, chosen: str = "") -> Method:

@@ -14,10 +14,11 @@ from .camera import Camera
 from .errors import ContextError, FormatError, SettingsError
 from .gl.context import Context
 from .gl.foreign import Target, texture_size
-from .gl.frame import Frame, PassTime
+from .gl.frame import Frame
 from .gl.kit import Kit
 from .gl.providers import wrap_moderngl
 from .gl.state import GuestState
+from .gl.timer import PassTime
 from .pipeline import WINDOW_DEPTH, Settings, plan_apply
 from .view import Size
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .gl.frame import Frame, PassTime
+from .gl.frame import Frame
+from .gl.timer import PassTime
 from .images import flipped
 from .pipeline import RESOURCES
 from .view import View

@@ -19,8 +19,9 @@ from .camera import Camera
 from .errors import ContextError
 from .framing import framing
 from .gl.context import Context
-from .gl.frame import Drawn, Frame, PassTime
+from .gl.frame import Drawn, Frame
 from .gl.kit import Kit
+from .gl.timer import PassTime
 from .graph import Plan
 from .inputs import check_arrays, check_size, radius_of
 from .memory import check_room

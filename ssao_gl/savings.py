@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .camera import Camera
 from .framing import framing
-from .gl.frame import PassTime
+from .gl.timer import PassTime
 from .images import flipped
 from .leftout import rules
 from .passes.skip import BLOCK, OPEN

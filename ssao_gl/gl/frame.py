@@ -1,9 +1,8 @@
-"""Runs a compiled plan: owns its textures and framebuffers, draws its steps, times them."""
+"""Runs a compiled plan: owns its textures and framebuffers, draws its steps."""
 
 from __future__ import annotations
 
 import ctypes
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypedDict
@@ -18,6 +17,7 @@ from ..sources import Define
 from ..view import View
 from .context import Context
 from .kit import FORMATS, Kit
+from .timer import PassTime, Timer
 
 GL_COLOR, GL_DEPTH, GL_DEPTH_TEST, GL_SCISSOR_TEST = 0x1800, 0x1801, 0x0B71, 0x0C11
 GL_LESS, GL_GREATER, GL_GEQUAL, GL_ALWAYS = 0x0201, 0x0204, 0x0206, 0x0207
@@ -167,17 +167,6 @@ class Tester:
             self._disable(GL_SCISSOR_TEST)
 
 
-@dataclass(frozen=True, slots=True)
-class PassTime:
-    """Milliseconds that a pass took, and by which clock."""
-
-    name: str
-    ms: float
-    clock: str
-    cpu_ms: float
-    """Of all threads of this process: on a software renderer the work itself, whatever else the machine does."""
-
-
 class Frame:
     """The GL side of a plan. Raises ContextError when the driver cannot make its textures."""
 
@@ -297,43 +286,3 @@ class Frame:
         for made in reversed(self._owned):
             made.release()
         self._owned = []
-
-
-class Timer:
-    """Times passes: by GL's own timer on a GPU that has one, else by waiting for each pass with the wall clock."""
-
-    def __init__(self, ctx: Context) -> None:
-        self._ctx = ctx
-        self._gpu = ctx.gpu_timer
-        self.clock = "gpu" if self._gpu else "wall"
-        self._queries: list[Any] = []  # used again: moderngl never frees one
-        self._names: list[str] = []
-        self._waits: list[float] = []
-        self._cpu: list[float] = []
-        self._began = self._cpu_began = 0.0
-
-    def restart(self) -> None:
-        """Forget what was timed."""
-        self._names, self._waits, self._cpu = [], [], []
-        if not self._gpu:
-            self._ctx.mgl.finish()
-
-    def start(self) -> None:
-        if self._gpu:
-            if len(self._names) == len(self._queries):
-                self._queries.append(self._ctx.mgl.query(time=True))
-            self._queries[len(self._names)].mglo.begin()
-        self._began, self._cpu_began = time.perf_counter(), time.process_time()
-
-    def stop(self, name: str) -> None:
-        if self._gpu:
-            self._queries[len(self._names)].mglo.end()
-        else:
-            self._ctx.mgl.finish()
-            self._waits.append(1e3 * (time.perf_counter() - self._began))
-        self._names.append(name)
-        self._cpu.append(1e3 * (time.process_time() - self._cpu_began))
-
-    def results(self) -> list[PassTime]:
-        spent = [query.elapsed * 1e-6 for query in self._queries[: len(self._names)]] if self._gpu else self._waits
-        return [PassTime(name, ms, self.clock, cpu) for name, ms, cpu in zip(self._names, spent, self._cpu, strict=True)]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import metrics
 from ..camera import Camera
-from ..gl.frame import PassTime
+from ..gl.timer import PassTime
 from ..pipeline import Settings
 from ..renderer import Renderer
 from ..scene import Scene

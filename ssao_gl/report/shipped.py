@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ContextError, SsaoError
-from ..gl.frame import PassTime
+from ..gl.timer import PassTime
 from ..passes.blur import Joint
 from ..pipeline import Settings
 from ..truth import Tracing, gather

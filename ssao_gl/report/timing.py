@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from ..gl.frame import PassTime
+from ..gl.timer import PassTime
 from .numbers import quartiles
 
 GROUPS = ("gbuffer", "method", "filter", "other")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ssao_gl.errors import SettingsError
-from ssao_gl.gl.frame import PassTime
+from ssao_gl.gl.timer import PassTime
 from ssao_gl.report import compare, fit, labels, markdown, numbers, pareto, pictures, points, tables, timing, variants
 from ssao_gl.report.sweep import split_size
 
