@@ -10,7 +10,7 @@ from typing import Any, cast
 
 from .errors import SettingsError, near_miss
 from .files import unreadable
-from .methods import Method, method, registry
+from .methods import Method, method, presets_of, registry
 from .passes.blur import BLURS, blur
 from .pipeline import RULES, Settings, Shading
 from .settings import assign
@@ -124,11 +124,10 @@ class _Chosen:
 
 def preset(name: str, chosen: str = "") -> Method:
     """The method called ``name`` under one of its presets, as shipped without. Raises SettingsError for unknown names."""
-    shipped, presets = method(name), getattr(registry().get(name), "presets", {})
-    if chosen and chosen not in presets:
-        known = ", ".join(presets) or "none"
-        raise SettingsError(f"{name} has no preset '{chosen}'; it has {known}.{near_miss(chosen, presets)}")
-    return cast(Method, assign(shipped, presets[chosen]) if chosen else shipped)
+    shipped, known = method(name), presets_of(name)
+    if chosen and chosen not in known:
+        raise SettingsError(f"{name} has no preset '{chosen}'; it has {', '.join(known) or 'none'}.{near_miss(chosen, known)}")
+    return cast(Method, assign(shipped, known[chosen]) if chosen else shipped)
 
 
 def _rules(names: Iterable[str]) -> tuple[str, ...]:

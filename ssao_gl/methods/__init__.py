@@ -7,7 +7,7 @@ theirs by the entry-point group ``ssao_gl.methods``.
 from __future__ import annotations
 
 import importlib.metadata
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
@@ -90,3 +90,19 @@ def method(name: str) -> Any:
     if name not in known:
         raise SettingsError(f"unknown method '{name}'; there are {', '.join(known)}.{near_miss(name, known)}")
     return known[name]()
+
+
+def presets_of(name: str) -> Mapping[str, Mapping[str, Any]]:
+    """The presets of the method called ``name``, by name: values of fields. They are optional."""
+    made: Mapping[str, Mapping[str, Any]] = getattr(registry().get(name), "presets", {})
+    return made
+
+
+def check_presets(asked: Iterable[str], known: Iterable[str]) -> None:
+    """Raise SettingsError for the first of ``--presets`` that is not among ``known``."""
+    known = list(dict.fromkeys(known))
+    for preset in asked:
+        if preset not in known:
+            raise SettingsError(
+                f"--presets {preset}: no method has it; there are {', '.join(known)}.{near_miss(preset, known)}"
+            )

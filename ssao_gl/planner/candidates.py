@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import SettingsError, near_miss
-from ..methods import Method, method, registry
+from ..methods import Method, method, presets_of
 from ..settings import assign
 
 SECOND_LAYER: Mapping[str, Any] = {"layers": 2, "thickness": 0.2, "bridge": 2.0}
@@ -29,7 +29,7 @@ class Candidate:
     @property
     def name(self) -> str:
         """By its preset if it is one, else by what tells it from others: ``bitmask medium``, ``bitmask scale=2 steps=7``."""
-        for preset, fields in getattr(registry()[self.method], "presets", {}).items():
+        for preset, fields in presets_of(self.method).items():
             if self.made() == assign(method(self.method), fields):
                 return f"{self.method} {preset}"
         return " ".join([self.method, *(f"{key}={self.fields[key]}" for key in TELLING if key in self.fields)])

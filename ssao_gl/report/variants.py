@@ -5,10 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from ..errors import SettingsError, near_miss
-from ..methods import Method, method, registry
+from ..methods import Method, check_presets, method, presets_of, registry
 from ..methods.lecture import Lecture
 from ..pipeline import Settings
 from ..settings import assign
@@ -52,25 +51,14 @@ def variants(methods: Sequence[str] = (), presets: Sequence[str] = (), ranges: I
         for name in chosen
         for label, record in _records(name, presets, spreads.get(name, {})).items()
     ]
-    known = dict.fromkeys(label for name in chosen for label in (DEFAULT, *_presets(name)))
-    for preset in presets:
-        if preset not in known:
-            raise SettingsError(
-                f"--presets {preset}: no method has it; there are {', '.join(known)}.{near_miss(preset, known)}"
-            )
+    check_presets(presets, (label for name in chosen for label in (DEFAULT, *presets_of(name))))
     return found
-
-
-def _presets(name: str) -> Mapping[str, Mapping[str, Any]]:
-    """Presets are optional: a method without any has one, its defaults."""
-    presets: Mapping[str, Mapping[str, Any]] = getattr(registry()[name], "presets", {})
-    return presets
 
 
 def _records(name: str, presets: Sequence[str], spread: Mapping[str, list[str]]) -> dict[str, Method]:
     """preset -> settings of the method."""
     shipped = method(name)
-    records: dict[str, Method] = {label: assign(shipped, values) for label, values in _presets(name).items()}
+    records: dict[str, Method] = {label: assign(shipped, values) for label, values in presets_of(name).items()}
     if shipped not in records.values():
         records = {DEFAULT: shipped, **records}
     if presets:

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..errors import SettingsError, near_miss
-from ..methods import Deviation, Method, method, registry
+from ..methods import Deviation, Method, check_presets, method, presets_of, registry
 from ..passes.blur import blur
 from ..pipeline import Settings
 from ..settings import assign, limits
@@ -70,22 +69,11 @@ def subjects(methods: Sequence[str] = (), presets: Sequence[str] = (DEFAULT,), p
     found = [
         Subject(name, preset, _affordable(assign(record, values)), precision)
         for name, record in shipped.items()
-        for preset, values in {DEFAULT: {}, **_presets(name)}.items()
+        for preset, values in {DEFAULT: {}, **presets_of(name)}.items()
         if "all" in presets or preset in presets
     ]
-    known = dict.fromkeys(["all", DEFAULT, *(preset for name in shipped for preset in _presets(name))])
-    for preset in presets:
-        if preset not in known:
-            raise SettingsError(
-                f"--presets {preset}: no method has it; there are {', '.join(known)}.{near_miss(preset, known)}"
-            )
+    check_presets(presets, ["all", DEFAULT, *(preset for name in shipped for preset in presets_of(name))])
     return found
-
-
-def _presets(name: str) -> Mapping[str, Mapping[str, Any]]:
-    """Presets are optional."""
-    presets: Mapping[str, Mapping[str, Any]] = getattr(registry()[name], "presets", {})
-    return presets
 
 
 def _affordable(record: Any) -> Any:
