@@ -117,6 +117,9 @@ def _text() -> dict[str, Files]:
     return {
         "obj materials": {"a.obj": obj.encode(), "a.mtl": mtl.encode(), "a.png": png()},
         "xyz": {"a.xyz": b"0 0 0\n1 0 0\n0 1 0\n"},
+        "obj counting back": {
+            "a.obj": b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf -3/-1 -2/-1 -1/-1 # x\nv 0 0 1\nf\t-1 -2 \\\n -4\n"
+        },
         "off polygons": {"a.off": b"OFF\n5 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n4 0 1 2 3\n3 0 1 4\n"},
     }
 
@@ -133,6 +136,8 @@ def _ply() -> dict[str, Files]:
         )
         faces = b"".join(b"\3" + np.array(f, f"{order}i4").tobytes() for f in ((0, 1, 2), (1, 3, 2)))
         made[f"ply {form}"] = {"a.ply": ply(header, vertices + faces, form), "a.png": png()}
+        polygons = b"".join(bytes([len(f)]) + np.array(f, f"{order}i4").tobytes() for f in ((0, 1, 3, 2), (1, 3, 2)))
+        made[f"ply polygons {form}"] = {"a.ply": ply(header, vertices + polygons, form), "a.png": png()}
     return made
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from ..errors import SceneError
 from .gltf_nodes import Placed, Tree, index
 
-TRIANGLES, STRIP = 4, 5
+TRIANGLES, STRIP, FAN = 4, 5, 6
 ACCESSOR = ("componentType", "count", "type", "bufferView", "byteOffset", "normalized", "sparse")
 VIEW = ("buffer", "byteLength", "byteOffset", "byteStride")
 BUFFER = ("byteLength", "uri")
@@ -79,6 +79,8 @@ def _meshes(tree: Tree, placed: list[Placed], used: Used) -> tuple[list[Tree], l
     for number, world in placed:
         if number not in parts:
             mesh = tree["meshes"][number]
+            if any(p.get("mode") == FAN for p in mesh["primitives"]):
+                raise SceneError("has fans of triangles, which cannot be read; export it as triangles")
             primitives = [p for p in mesh["primitives"] if p.get("mode", TRIANGLES) in (TRIANGLES, STRIP)]
             parts[number] = range(len(meshes), len(meshes) + len(primitives))
             meshes += [{"name": str(mesh["name"])[:200], "primitives": [_primitive(p, tree, used)]} for p in primitives]

@@ -11,11 +11,16 @@ from collections.abc import Callable, Mapping
 from typing import BinaryIO
 
 from ..errors import SceneError
+from .ply_polygons import TYPES, triangulated
 
 MAX_HEADER = 1 << 20
 MAX_PROPERTIES = 1000
 """Of a PLY file, over all elements; trimesh looks at all lists for each of them."""
 MAX_MATERIALS = 4000
+RELATIVE = re.compile(rb"(?m)^ *f [^\n]*[ /]-\d")
+"""A face of an OBJ file with an index that counts back."""
+ZERO = re.compile(rb"(?m)^ *f (?:[^\n]*[ /])?0+(?:[ /]|$)")
+"""A face with an index that OBJ files do not have."""
 
 SIGNATURES: tuple[tuple[bytes, str, frozenset[str]], ...] = (
     (b"\x89PNG\r\n", "a PNG picture", frozenset()),
@@ -56,11 +61,38 @@ def check_stl(file: BinaryIO, size: int) -> BinaryIO:
 
 def check_obj(file: BinaryIO, size: int) -> BinaryIO:
     """Likewise for parts of different materials, which cannot be put together."""
-    text = _text(file).replace(b"\r\n", b"\n").replace(b"\\\n", b"")
+    text = _text(file).replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\t", b" ").replace(b"\\\n", b"")
+    text = re.sub(rb" #[^\n]*", b"", text)  # after a face trimesh takes a comment for a part of it
     materials = {name.strip() for name in re.findall(rb"usemtl ([^\n]*)", text)}
     if len(materials) > MAX_MATERIALS:
         raise SceneError(f"has {len(materials)} materials; at most {MAX_MATERIALS} can be read in sensible time")
-    return io.BytesIO(text)
+    if ZERO.search(text):
+        raise SceneError("has a face with index 0; OBJ files count from 1 (or back from -1)")
+    return io.BytesIO(_absolute(text) if RELATIVE.search(text) else text)
+
+
+def _absolute(text: bytes) -> bytes:
+    """Indices of an OBJ file that count back from the latest vertex, from the first one: trimesh takes them for others."""
+    counts = {b"v": 0, b"vt": 0, b"vn": 0}
+
+    def corner(word: bytes, number: int) -> bytes:
+        parts = word.split(b"/")
+        for place, (part, count) in enumerate(zip(parts, counts.values(), strict=False)):
+            if part.startswith(b"-") and part[1:].isdigit():
+                index = count + 1 - int(part[1:12])
+                if index < 1:
+                    raise SceneError(f"line {number}: '{word.decode('ascii', 'replace')}' counts back past the first one")
+                parts[place] = b"%d" % index
+        return b"/".join(parts)
+
+    lines = text.split(b"\n")
+    for number, line in enumerate(lines, 1):
+        words = line.split()
+        if words and words[0] in counts:
+            counts[words[0]] += 1
+        elif words and words[0] == b"f" and b"-" in line:
+            lines[number - 1] = b" ".join([b"f", *(corner(word, number) for word in words[1:])])
+    return b"\n".join(lines)
 
 
 def check_text(file: BinaryIO, size: int) -> BinaryIO:
@@ -95,20 +127,14 @@ def check_ply(file: BinaryIO, size: int) -> BinaryIO:
             name, count = words[1], int(words[2])
         elif words[:1] == ["property"]:
             properties += 1
-            needed += count * (2 if text else PLY_BYTES[words[2] if words[1] == "list" else words[1]])
+            needed += count * (2 if text else int(TYPES[words[2] if words[1] == "list" else words[1]][1]))
         if count < 0 or needed > left + 1:  # the last line may lack its end
             raise SceneError(f"announces {count} of '{name}', more than its {left} bytes can hold; it is truncated or broken")
     if properties > MAX_PROPERTIES:
         raise SceneError(f"has {properties} properties; at most {MAX_PROPERTIES} can be read in sensible time")
-    return file
+    return file if text else triangulated(file, head[: size - left], size)
 
 
-PLY_BYTES = {
-    **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
-    **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
-    **dict.fromkeys(("int", "uint", "float", "int32", "uint32", "float32"), 4),
-    **dict.fromkeys(("double", "int64", "uint64", "float64", "long", "ulong"), 8),
-}
 CHECKS: Mapping[str, Callable[[BinaryIO, int], BinaryIO]] = {
     "stl": check_stl,
     "stl_ascii": check_stl,

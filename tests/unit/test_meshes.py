@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import struct
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -75,6 +76,54 @@ def test_up_axis(suffix: str, up: int, tmp_path: Path) -> None:
     assert load(path, up="x").up == (1, 0, 0)
     with pytest.raises(SceneError, match="up axis 'w'; must be"):
         load(path, up="w")
+
+
+def test_obj_indices_that_count_back(tmp_path: Path) -> None:
+    """From the vertices read so far, not from the last of the file; also those of normals and texture coordinates."""
+    quads = [[(0, 0, z), (1, 0, z), (1, 1, z), (0, 1, z)] for z in range(3)]
+    lines = ["o first"]
+    for number, quad in enumerate(quads):
+        lines += [f"v {x} {y} {z}" for x, y, z in quad] + [f"vt {number} 0", f"vn 0 0 {(-1) ** number}"]
+        lines += [f"usemtl m{number}", "f -4/-1/-1 -3/-1/-1 \\", "  -2/-1/-1 -1/-1/-1  # the latest four"]
+    (tmp_path / "a.obj").write_text("\n".join(lines))
+    scene = load(tmp_path / "a.obj")
+    assert scene.triangles == 6
+    found = np.concatenate([corners(draw) for draw in scene.draws])
+    np.testing.assert_array_equal(np.unique(found[:, :, 2]), [0, 1, 2])
+    assert (np.ptp(found[:, :, 2], axis=1) == 0).all()
+    normals = {float(draw.positions[0, 2]): draw.normals for draw in scene.draws}
+    assert all(n is not None and (n[:, 2] == (-1) ** int(z)).all() for z, n in normals.items())
+
+
+@pytest.mark.parametrize(("order", "name"), [("<", "little"), (">", "big")])
+def test_binary_ply_of_triangles_quads_and_more(order: str, name: str, tmp_path: Path) -> None:
+    """Polygons are cut into fans; what else vertices and faces carry stays, or is left out."""
+    corners_ = [(0, 0), (2, 0), (3, 1), (2, 2), (0, 2), (-1, 1)]
+    polygons = [(0, 1, 2, 3, 4, 5), (0, 1, 3), (0, 1, 3, 4), (2, 3), (5, 0, 4)]
+    header = f"""ply
+format binary_{name}_endian 1.0
+element vertex 6
+property double x
+property float y
+property float z
+property uchar red
+property uchar green
+property uchar blue
+element face {len(polygons)}
+property uchar flags
+property list ushort uint vertex_indices
+property float quality
+end_header
+"""
+    body = b"".join(struct.pack(f"{order}dffBBB", x, y, 0, 255, 0, 0) for x, y in corners_)
+    body += b"".join(struct.pack(f"{order}BH{len(p)}If", 7, len(p), *p, 0.5) for p in polygons)
+    (tmp_path / "a.ply").write_bytes(header.encode() + body)
+    draw = one(load(tmp_path / "a.ply"))
+    sides = np.diff(corners(draw)[:, :, :2], axis=1)
+    areas = (sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]) / 2
+    assert len(areas) == 4 + 1 + 2 + 1
+    assert np.abs(areas).sum() == pytest.approx(6 + 2 + 4 + 1)
+    assert draw.vertex_colors is not None and (draw.vertex_colors[:, :3] == (255, 0, 0)).all()
 
 
 def test_upper_case_suffix(tmp_path: Path) -> None:
