@@ -161,8 +161,6 @@ def _check_primitive(primitive: Mapping[str, Any], accessors: list[Any]) -> int:
             if DRACO not in primitive.get("extensions", {}):
                 raise SceneError(f"accessor {number} ({name}) has no data")
             _need_draco()
-        if name == "POSITION" and accessor.get("normalized"):
-            raise SceneError("has positions as normalized integers, which cannot be read; export them as floats")
     return sum(8 * int(accessors[n]["count"]) * (1 if name == "indices" else 3) for name, n in wanted.items())
 
 

@@ -14,6 +14,8 @@ from ..errors import SceneError
 from .gltf_nodes import Placed, Tree, index
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
+LARGEST = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535}
+"""Of the types of integers that are normalized."""
 ACCESSOR = ("componentType", "count", "type", "bufferView", "byteOffset", "normalized", "sparse")
 VIEW = ("buffer", "byteLength", "byteOffset", "byteStride")
 BUFFER = ("byteLength", "uri")
@@ -75,17 +77,19 @@ def _meshes(tree: Tree, placed: list[Placed], used: Used) -> tuple[list[Tree], l
     """A mesh for each primitive of triangles, and the nodes that place them."""
     meshes: list[Tree] = []
     nodes: list[Tree] = []
-    parts: dict[int, range] = {}
+    parts: dict[int, list[tuple[int, float]]] = {}
     for number, world in placed:
         if number not in parts:
             mesh = tree["meshes"][number]
             if any(p.get("mode") == FAN for p in mesh["primitives"]):
                 raise SceneError("has fans of triangles, which cannot be read; export it as triangles")
             primitives = [p for p in mesh["primitives"] if p.get("mode", TRIANGLES) in (TRIANGLES, STRIP)]
-            parts[number] = range(len(meshes), len(meshes) + len(primitives))
+            parts[number] = [(len(meshes) + i, _step(p, tree)) for i, p in enumerate(primitives)]
             meshes += [{"name": str(mesh["name"])[:200], "primitives": [_primitive(p, tree, used)]} for p in primitives]
-        matrix = world.T.ravel().tolist()
-        nodes += [{"mesh": part, "name": str(len(nodes) + i), "matrix": matrix} for i, part in enumerate(parts[number])]
+        nodes += [
+            {"mesh": part, "name": str(len(nodes) + i), "matrix": (world * [step, step, step, 1]).T.ravel().tolist()}
+            for i, (part, step) in enumerate(parts[number])
+        ]
         if len(meshes) > MAX_PRIMITIVES or len(nodes) > MAX_INSTANCES:
             raise SceneError(
                 f"draws more than {MAX_PRIMITIVES} primitives, or {MAX_INSTANCES} instances of them,"
@@ -95,6 +99,12 @@ def _meshes(tree: Tree, placed: list[Placed], used: Used) -> tuple[list[Tree], l
         lines = any(mesh["primitives"] for mesh in tree.get("meshes", []))
         raise SceneError("holds no triangles" + (", only lines or points" if lines else ""))
     return meshes, nodes
+
+
+def _step(primitive: Mapping[str, Any], tree: Tree) -> float:
+    """What 1 in its positions stands for: integers may be normalized (KHR_mesh_quantization), which trimesh leaves as they are."""
+    accessor = tree["accessors"][index(primitive["attributes"]["POSITION"])]
+    return 1 / LARGEST.get(accessor["componentType"], 1) if accessor.get("normalized") else 1.0
 
 
 def _primitive(primitive: Mapping[str, Any], tree: Tree, used: Used) -> Tree:

@@ -166,6 +166,22 @@ def test_nested_transforms(tmp_path: Path) -> None:
     assert np.linalg.det(draw.transforms[0][:3, :3]) < 0, "a mirror stays one"
 
 
+@pytest.mark.parametrize(("kind", "dtype"), [(5122, "<i2"), (5123, "<u2"), (5120, "i1"), (5121, "u1")])
+def test_positions_as_normalized_integers(kind: int, dtype: str, tmp_path: Path) -> None:
+    """As optimised web models have them: the largest integer is 1."""
+    most = np.iinfo(dtype).max
+    corners_ = np.zeros((3, 8 // np.dtype(dtype).itemsize), dtype)  # padded to rows of 8 bytes
+    corners_[1, 0] = corners_[2, 1] = most
+    content = tree(nodes=[{"mesh": 0, "scale": [3, 5, 7], "translation": [1, 0, 0]}])
+    content["extensionsUsed"] = content["extensionsRequired"] = ["KHR_mesh_quantization"]
+    content["accessors"][0] |= {"componentType": kind, "normalized": True}
+    content["bufferViews"][0] |= {"byteStride": 8, "byteLength": 24}
+    body = corners_.tobytes() + binary()[24:]
+    path = tmp_path / "a.glb"
+    path.write_bytes(glb(content, body))
+    np.testing.assert_allclose(load(path).bounds, [[1, 0, 0], [4, 5, 0]], atol=1e-6)
+
+
 @given(
     rotation=st.lists(st.floats(-1, 1), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1),
     scale=st.lists(st.floats(-3, 3), min_size=3, max_size=3),
