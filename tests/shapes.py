@@ -56,4 +56,10 @@ def with_radius(method: object, radius: float) -> object:
     return dataclasses.replace(method, radius=radius) if in_scene_units else method  # type: ignore[type-var]
 
 
-__all__ = ["ao", "camera", "corner", "look_at", "moved", "plane", "quad", "scaled", "with_radius"]
+def spread(method: object) -> int:
+    """How many times as many pixels of the image change with each that is drawn: what differs in one pixel of a smaller target
+    shows in the pixels of its neighbours too, by bilinear weights."""
+    return 4 if getattr(method, "scale", 1) > 1 else 1
+
+
+__all__ = ["ao", "camera", "corner", "look_at", "moved", "plane", "quad", "scaled", "spread", "with_radius"]

@@ -38,17 +38,17 @@ class Bitmask:
     open_is_exact: ClassVar[bool] = True
     """What stands less than a sector above the tangent plane hides nothing: visibility is 1 to the last bit."""
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
-        "draft": {"scale": 4, "steps": 5},
+        "draft": {"scale": 4, "steps": 4},
         "low": {"scale": 2, "steps": 5},
         "medium": {},
-        "high": {"scale": 1, "tile": 4, "slices": 1, "steps": 10},
-        "ultra": {"scale": 1, "tile": 4, "slices": 1, "steps": 12, "layers": 2, "thickness": 0.2, "bridge": 2.0},
+        "high": {"scale": 1, "slices": 1, "steps": 10},
+        "ultra": {"scale": 1, "slices": 1, "steps": 12, "layers": 2, "thickness": 0.2, "bridge": 2.0},
     }
 
     radius: float | None = setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
     slices: int = setting(2, "directions through each pixel", low=1, high=16)
-    steps: int = setting(10, "taps to each side of a slice", low=1, high=64)
-    tile: int = setting(2, "width of the noise tile: 1, 2, 4 or 8; the filter averages it away", unit="pixels", low=1, high=8)
+    steps: int = setting(9, "taps to each side of a slice", low=1, high=64)
+    tile: int = setting(4, "width of the noise tile: 1, 2, 4 or 8; the filter averages it away", unit="pixels", low=1, high=8)
     thickness: float = setting(0.3, "of what a texel shows, behind it", unit="radii", low=0, high=1000)
     bridge: float = setting(2.5, "thickness added per distance to the next tap, so that slabs leave no gaps", low=0, high=1000)
     layers: int = setting(

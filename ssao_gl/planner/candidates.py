@@ -12,7 +12,7 @@ from ..methods import Method, method, presets_of
 from ..settings import assign
 
 SECOND_LAYER: Mapping[str, Any] = {"layers": 2, "thickness": 0.2, "bridge": 2.0}
-FULL_SIZE: Mapping[str, Any] = {"scale": 1, "tile": 4, "slices": 1}
+FULL_SIZE: Mapping[str, Any] = {"scale": 1, "slices": 1}
 
 
 TELLING = ("scale", "layers", "steps", "samples")
@@ -75,8 +75,8 @@ class Family:
 
 
 FAMILIES = (
-    Family("bitmask", {"scale": 4}, "steps", (3, 5, 8), (5, 10)),
-    Family("bitmask", {"scale": 2}, "steps", (3, 5, 7, 10, 14), (5, 10)),
+    Family("bitmask", {"scale": 4}, "steps", (2, 4, 8), (5, 9)),
+    Family("bitmask", {"scale": 2}, "steps", (3, 5, 7, 9, 14), (5, 9)),
     Family("bitmask", {"scale": 2, **SECOND_LAYER}, "steps", (5, 8, 12), (5, 12)),
     Family("bitmask", FULL_SIZE, "steps", (5, 8, 10, 16), (5, 10)),
     Family("bitmask", {**FULL_SIZE, **SECOND_LAYER}, "steps", (8, 12, 20), (8, 12)),
