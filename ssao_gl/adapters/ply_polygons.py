@@ -36,10 +36,6 @@ class Element:
     count: int
     properties: list[list[str]] = field(default_factory=list)
 
-    def size(self, properties: Sequence[list[str]]) -> int:
-        """Bytes of properties none of which is a list."""
-        return sum(np.dtype(TYPES[words[1]]).itemsize for words in properties)
-
 
 @dataclass(frozen=True)
 class Faces:
@@ -56,7 +52,10 @@ class Faces:
 
 
 def triangulated(file: BinaryIO, header: bytes, length: int) -> BinaryIO:
-    """``file``, a binary PLY file with that header and of that many bytes, or one of triangles in its place. Raises SceneError for a torn file."""
+    """``file``, a binary PLY file with that header and of that many bytes, or one of triangles in its place.
+
+    Raises SceneError for a torn file.
+    """
     lines = [line.split() for line in header.decode("utf-8", "replace").splitlines()]
     order: Order = "big" if ["format", "binary_big_endian"] in (words[:2] for words in lines) else "little"
     elements: list[Element] = []
@@ -69,7 +68,7 @@ def triangulated(file: BinaryIO, header: bytes, length: int) -> BinaryIO:
     if layout is None:
         return file
     vertices, faces = elements[:2]
-    start = len(header) + vertices.count * vertices.size(vertices.properties)
+    start = len(header) + vertices.count * _size(vertices.properties)
     try:
         if _alike(file, start, length, faces.count, layout, order):
             return file
@@ -99,7 +98,12 @@ def _layout(elements: Sequence[Element], order: Order) -> Faces | None:
         return None
     properties, at = elements[1].properties, lists[0]
     number, corner = (np.dtype(SIGNS[order] + TYPES[name]) for name in properties[at][2:4])
-    return Faces(elements[1].size(properties[:at]), number.itemsize, corner, elements[1].size(properties[at + 1 :]))
+    return Faces(_size(properties[:at]), number.itemsize, corner, _size(properties[at + 1 :]))
+
+
+def _size(properties: Sequence[list[str]]) -> int:
+    """Bytes of properties none of which is a list."""
+    return sum(np.dtype(TYPES[words[1]]).itemsize for words in properties)
 
 
 def _alike(file: BinaryIO, start: int, length: int, count: int, faces: Faces, order: Order) -> bool:
