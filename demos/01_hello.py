@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 import ssao_gl as ao
-from ssao_gl.default_scene import default_scene
+from ssao_gl.scene.sample_scene import default_scene
 
 
 def main(folder: Path, size: tuple[int, int]) -> None:

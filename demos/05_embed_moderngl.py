@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 
 import ssao_gl as ao
-from ssao_gl.default_scene import box
+from ssao_gl.scene.sample_scene import box
 
 VERTEX = """
 in vec3 a_position; in vec3 a_normal; uniform mat4 u_clip; out vec3 v_normal;

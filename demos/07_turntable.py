@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 import ssao_gl as ao
-from ssao_gl.default_scene import default_scene
-from ssao_gl.picture import save_animation
+from ssao_gl.render.picture import save_animation
+from ssao_gl.scene.sample_scene import default_scene
 
 FRAMES = 24
 

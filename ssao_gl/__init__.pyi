@@ -1,20 +1,22 @@
 from . import gl
-from .api import apply, multiply, normals_from_depth, occlusion, render
-from .camera import Camera, look_at
-from .difference import Difference, compare
-from .effect import Effect
+from .api import apply, normals_from_depth, occlusion, render
 from .errors import ContextError, FormatError, GraphError, SceneError, SettingsError, ShaderError, SsaoError
-from .kernel import Kernel, Rotation
-from .methods import method, register, registry
+from .io.srgb import multiply
+from .loaders.load import load_scene
 from .methods.alchemy import Alchemy
 from .methods.bitmask import Bitmask
 from .methods.lecture import Lecture
-from .passes.blur import Joint, LectureBlur, Separable
-from .picture import Picture
-from .pipeline import Settings, Shading
+from .methods.registry import method, register, registry
+from .metrics.images import Difference, compare
+from .passes.denoise import Joint, LectureBlur, Separable
+from .pipeline.settings import Settings, Shading
 from .planner import Choice, Target, plan
-from .renderer import Renderer
-from .scene import Draw, Scene
+from .render.effect import Effect
+from .render.picture import Picture
+from .render.renderer import Renderer
+from .sampling.disk import Kernel, Rotation
+from .scene.camera import Camera, look_at
+from .scene.model import Mesh, Scene
 
 __all__ = [
     "Alchemy",
@@ -23,7 +25,6 @@ __all__ = [
     "Choice",
     "ContextError",
     "Difference",
-    "Draw",
     "Effect",
     "FormatError",
     "GraphError",
@@ -31,6 +32,7 @@ __all__ = [
     "Kernel",
     "Lecture",
     "LectureBlur",
+    "Mesh",
     "Picture",
     "Renderer",
     "Rotation",
@@ -46,9 +48,11 @@ __all__ = [
     "apply",
     "compare",
     "gl",
+    "load_scene",
     "look_at",
     "method",
     "multiply",
+    "load_scene",
     "normals_from_depth",
     "occlusion",
     "plan",

@@ -2,60 +2,26 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .adapters import pyrender as pyrender_adapter
-from .camera import Camera
-from .errors import FormatError, SceneError, SettingsError
 from .gl.context import Context
-from .methods import Method
-from .passes.blur import Blur, Joint, blur
-from .picture import Picture
-from .pipeline import Settings, Shading, as_method
-from .renderer import Renderer
-from .scene import Scene
-from .view import Size
-
-
-def as_scene(source: Any) -> Scene:
-    """A scene from a path, a ``trimesh.Trimesh`` or ``Scene``, a ``pyrender.Scene``, or itself. Raises SceneError."""
-    if isinstance(source, Scene):
-        return source
-    if isinstance(source, str | Path):
-        return Scene.load(source)
-    if pyrender_adapter.is_pyrender_scene(source):
-        return pyrender_adapter.from_pyrender(source)
-    if any(kind.__module__.split(".")[0] == "trimesh" for kind in type(source).__mro__):
-        from .adapters.meshes import from_trimesh
-
-        return from_trimesh(source)
-    raise SceneError(
-        f"cannot draw a {type(source).__name__}; expected a path, Scene, trimesh.Trimesh, trimesh.Scene or pyrender.Scene"
-    )
-
-
-def as_camera(source: Any) -> Camera:
-    """A camera from a camera file (``"FILE.cam.json:NAME"``), a ``pyrender.Scene`` with a camera, or itself."""
-    if isinstance(source, Camera):
-        return source
-    if isinstance(source, str | Path):
-        from .adapters.camera_files import load_camera
-
-        return load_camera(str(source))
-    if pyrender_adapter.is_pyrender_scene(source):
-        return pyrender_adapter.camera_from_pyrender(source)
-    raise SettingsError(f"cannot use a {type(source).__name__} as camera; expected a Camera, a camera file or a pyrender.Scene")
+from .loaders.as_scene import as_camera, as_scene
+from .methods.base import Method
+from .passes.denoise import Filter, Joint, filter_named
+from .pipeline.settings import Settings, Shading, as_method
+from .render.picture import Picture
+from .render.renderer import Renderer
+from .scene.projection import Size
 
 
 def settings_of(
-    method: Method | str | None = None, blur_with: Blur | str | None = "joint", shading: Shading | None = None
+    method: Method | str | None = None, blur_with: Filter | str | None = "joint", shading: Shading | None = None
 ) -> Settings:
     """Settings from parts or their names."""
-    chosen = blur(blur_with) if isinstance(blur_with, str) else blur_with
+    chosen = filter_named(blur_with) if isinstance(blur_with, str) else blur_with
     return Settings(method=as_method(method), blur=chosen, shading=shading or Shading())
 
 
@@ -65,7 +31,7 @@ def render(
     size: Size = (1280, 720),
     *,
     method: Method | str | None = None,
-    blur: Blur | str | None = "joint",
+    blur: Filter | str | None = "joint",
     shading: Shading | None = None,
     aovs: tuple[str, ...] = ("image", "visibility"),
     provider: str | Context = "auto",
@@ -94,7 +60,7 @@ def apply(
     normals: ArrayLike | None = None,
     depth_kind: str = "eye",
     method: Method | str | None = None,
-    blur: Blur | str | None = Joint(),  # noqa: B008 - frozen
+    blur: Filter | str | None = Joint(),  # noqa: B008 - frozen
     strength: float = 1.0,
     provider: str | Context = "auto",
 ) -> Picture:
@@ -124,7 +90,7 @@ def occlusion(
     normals: ArrayLike | None = None,
     depth_kind: str = "eye",
     method: Method | str | None = None,
-    blur: Blur | str | None = "joint",
+    blur: Filter | str | None = "joint",
     provider: str | Context = "auto",
 ) -> NDArray[np.float32]:
     """Visibility (h, w) float32 in 0..1 of a depth image (h, w): 1 = open, background exactly 1. See :func:`apply`."""
@@ -136,16 +102,3 @@ def normals_from_depth(depth: ArrayLike, camera: Any, *, provider: str | Context
     """View-space unit normals (h, w, 3) float32 of a depth image (h, w) of eye distances; zero on background."""
     picture = apply(None, depth, camera, blur=None, provider=provider)
     return picture.arrays["normal"]
-
-
-def multiply(color: ArrayLike, visibility: ArrayLike) -> NDArray[np.uint8]:
-    """sRGB colour (h, w, 3 or 4) uint8 times visibility (h, w), in linear light; alpha stays. No OpenGL needed."""
-    rgb, factor = np.asarray(color), np.asarray(visibility, np.float64)
-    if rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[:2] != factor.shape:
-        raise FormatError(f"multiply: color {rgb.dtype} {rgb.shape} and visibility {factor.shape} do not fit")
-    c = rgb[..., :3] / 255.0
-    linear = np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4) * np.clip(factor, 0, 1)[..., None]
-    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    out = rgb.copy()
-    out[..., :3] = np.round(encoded * 255)
-    return out

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import settings
 
 import ssao_gl as ao
-from ssao_gl.default_scene import default_scene
 from ssao_gl.gl.providers import PROVIDERS
+from ssao_gl.scene.sample_scene import default_scene
 
 EXPECTED = [name for name in os.environ.get("SSAO_GL_EXPECT", "").split(",") if name]
 """Providers whose absence is a failure."""

@@ -87,7 +87,7 @@ def trial(path: Path, watch: Watch, renderer: ao.Renderer | None = None) -> tupl
     watch.seen.clear()
     watch.folder = path.parent
     try:
-        scene = ao.Scene.load(path)
+        scene = ao.load_scene(path)
         verdict, detail = "scene", f"{scene.triangles} triangles"
         if renderer is not None:
             _draw(scene, renderer)

@@ -7,19 +7,19 @@ import dataclasses
 import numpy as np
 
 import ssao_gl as ao
-from ssao_gl.camera import Camera, look_at
-from ssao_gl.scene import Draw, Scene
+from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.model import Mesh, Scene
 
 QUAD = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 
 
-def quad(center: tuple[float, float, float], u: tuple[float, float, float], v: tuple[float, float, float]) -> Draw:
+def quad(center: tuple[float, float, float], u: tuple[float, float, float], v: tuple[float, float, float]) -> Mesh:
     """A flat quad: center +- u +- v."""
     c, u_, v_ = (np.asarray(x, np.float64) for x in (center, u, v))
     corners = np.stack([c - u_ - v_, c + u_ - v_, c + u_ + v_, c - u_ + v_])
     normal = np.cross(u_, v_)
     normals = np.broadcast_to(normal / np.linalg.norm(normal), (4, 3)).astype(np.float32)
-    return Draw(corners.astype(np.float32), QUAD, normals)
+    return Mesh(corners.astype(np.float32), QUAD, normals)
 
 
 def plane(tilt: float = 0.0) -> Scene:
@@ -39,14 +39,14 @@ def camera(zfar: float | None = 40.0, pose: np.ndarray | None = None) -> Camera:
 
 def moved(scene: Scene, matrix: np.ndarray) -> Scene:
     """The scene with every transform preceded by ``matrix`` (4, 4)."""
-    draws = [dataclasses.replace(d, transforms=matrix @ d.transforms) for d in scene.draws]
+    draws = [dataclasses.replace(d, transforms=matrix @ d.transforms) for d in scene.meshes]
     cameras = [dataclasses.replace(c, pose=matrix @ c.pose) for c in scene.cameras]
     return Scene(draws, cameras=cameras, up=scene.up, name=scene.name)
 
 
 def scaled(scene: Scene, s: float) -> Scene:
     """The scene in other units: ``s`` times as large. Its cameras are dropped."""
-    draws = [dataclasses.replace(d, transforms=np.diag([s, s, s, 1.0]) @ d.transforms) for d in scene.draws]
+    draws = [dataclasses.replace(d, transforms=np.diag([s, s, s, 1.0]) @ d.transforms) for d in scene.meshes]
     return Scene(draws, up=scene.up, name=scene.name)
 
 

@@ -13,12 +13,12 @@ import pytest
 import trimesh
 from PIL import Image
 
-from ssao_gl import images
-from ssao_gl.camera import Orthographic, Perspective
 from ssao_gl.cli import _COMMANDS, main
 from ssao_gl.cli.options import ViewOptions
-from ssao_gl.default_scene import default_scene
-from ssao_gl.methods import registry
+from ssao_gl.io import images
+from ssao_gl.methods.registry import registry
+from ssao_gl.scene.camera import Orthographic, Perspective
+from ssao_gl.scene.sample_scene import default_scene
 
 SIZE = ("--size", "64x48")
 
@@ -61,10 +61,10 @@ def test_one_file_by_suffix(run: Any) -> None:
     visibility = np.load("a.npy")
     assert visibility.shape == (48, 64) and visibility.dtype == np.float32
     run("render", "-o", "a.png", "--aov", "visibility", "--bits", 16, *SIZE)
-    assert np.abs(images.load("a.png") / 65535 - visibility).max() < 1e-4
+    assert np.abs(images.load_image("a.png") / 65535 - visibility).max() < 1e-4
     run("render", "-o", "a.exr", "--aov", "depth", *SIZE)
     run("render", "-o", "d.npy", "--aov", "depth", *SIZE)
-    assert np.array_equal(images.load("a.exr"), np.load("d.npy"))
+    assert np.array_equal(images.load_image("a.exr"), np.load("d.npy"))
 
 
 def test_folder_gets_every_aov(run: Any) -> None:
@@ -129,7 +129,7 @@ def test_negative_coordinates(run: Any) -> None:
 def test_turntable_of_files(run: Any) -> None:
     out = run("render", "--turntable", 3, "-o", "turn", *SIZE)
     assert names("turn") == ["0000.png", "0001.png", "0002.png"] and out == "turn/: 3 frames\n"
-    assert not np.array_equal(images.load("turn/0000.png"), images.load("turn/0001.png"))
+    assert not np.array_equal(images.load_image("turn/0000.png"), images.load_image("turn/0001.png"))
     run("render", "--turntable", 2, "-o", "both", "--aov", "image,depth", *SIZE)
     assert "0001/depth.npy" in names("both") and "0000/image.png" in names("both")
 
@@ -182,10 +182,10 @@ def test_apply(run: Any) -> None:
     prepare()
     out = run("apply", "c.png", "--depth", "d.npy", "--yfov-deg", 40, "--radius", 0.5, "-o", "a.png")
     assert out.startswith("a.png: 64x48, bitmask, ")
-    shaded = images.load("a.png")
+    shaded = images.load_image("a.png")
     assert (shaded[:4] == 200).all() and shaded.min() < 195
     run("apply", "c.png", "--depth", "d.npy", "--yfov-deg", 40, "--strength", 0, "-o", "b.png")
-    assert (np.abs(images.load("b.png").astype(int) - 200) <= 1).all()
+    assert (np.abs(images.load_image("b.png").astype(int) - 200) <= 1).all()
     run("apply", "--depth", "d.npy", "--ortho", 3, "-o", "v.npy")
     assert (np.load("v.npy")[:4] == 1).all()
 
@@ -218,13 +218,13 @@ def test_compare(run: Any) -> None:
     base = np.full((8, 8, 3), 100, np.uint8)
     other = base.copy()
     other[2, 3, 1] = 103
-    images.save("a.png", base)
-    images.save("b.png", other)
+    images.save_image("a.png", base)
+    images.save_image("b.png", other)
     assert run("compare", "a.png", "a.png", "--max-abs", 0).startswith("max 0, ")
     assert "max 3" in run("compare", "a.png", "b.png", "--max-abs", 3)
     out = run("compare", "a.png", "b.png", "--max-abs", 2, "--metric", "rmse,psnr", "--diff", "d.png", code=1)
     assert "over the limit of 2" in out and "rmse" in out and "psnr" in out
-    assert images.load("d.png").shape == (8, 24, 3)
+    assert images.load_image("d.png").shape == (8, 24, 3)
 
 
 # Explanations

@@ -10,13 +10,13 @@ import numpy as np
 from cyclopts import Parameter
 from numpy.typing import NDArray
 
-from .. import images
-from ..camera import Camera
 from ..errors import FormatError, SettingsError
-from ..renderer import Renderer
+from ..io import images
+from ..render.renderer import Renderer
+from ..scene.camera import Camera
 from .options import GlOption, JsonOption, LookOptions, angle
 from .output import check_json, check_output, say, write_json
-from .planning import PlanOptions, compared
+from .plan_options import PlanOptions, compared
 
 Array = NDArray[Any]
 
@@ -98,19 +98,19 @@ def apply(
 
 def _read(color: Path | None, depth: Path, normals: Path | None) -> tuple[Array, Array | None, Array | None]:
     """Depth, normals and colour. Raises FormatError."""
-    depth_array = images.load(depth)
+    depth_array = images.load_image(depth)
     if depth_array.ndim == 3 and depth_array.shape[2] == 1:
         depth_array = depth_array[..., 0]
     if depth_array.dtype.kind != "f":
         raise FormatError(f"{depth}: holds {depth_array.dtype}; depth must be floats (NPY or EXR), in scene units")
     normal_array = None
     if normals is not None:
-        normal_array = images.load(normals)
+        normal_array = images.load_image(normals)
         if normal_array.dtype == np.uint8 and normal_array.ndim == 3:
             normal_array = normal_array[..., :3].astype(np.float32) / 127.5 - 1
     color_array = None
     if color is not None:
-        color_array = images.load(color)
+        color_array = images.load_image(color)
         if color_array.ndim == 2:
             color_array = np.repeat(color_array[..., None], 3, -1)
     return depth_array, normal_array, color_array

@@ -10,16 +10,17 @@ from typing import Annotated
 import numpy as np
 from cyclopts import Parameter
 
-from ..camera import Camera
 from ..gl.overhead import without_draws
-from ..graph import compile
+from ..graph.frame_graph import compile
 from ..methods.lecture import Lecture
-from ..pipeline import Settings, plan_render
-from ..renderer import Renderer
-from ..scene import Scene
-from ..view import Size
+from ..pipeline.build import plan_render
+from ..pipeline.settings import Settings
+from ..render.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
-from .output import progress, say, table, write_json
+from .output import print_table, progress, say, write_json
 
 
 def bench(
@@ -47,7 +48,7 @@ def bench(
         where = f"{renderer.ctx.provider}, {renderer.ctx.renderer}"
     lecture = passes["lecture (4 taps)"][0]
     bare = passes["G-buffer"][0]
-    table(
+    print_table(
         f"{loaded.name} {camera.name}, {loaded.triangles:,} triangles, {size[0]}x{size[1]}, {where}, medians of {rounds} rounds",
         ("pass", "wall ms", "cpu ms", "x lecture", "x G-buffer"),
         [
@@ -103,7 +104,7 @@ def _host(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings) 
     plan = plan_render(settings, (1280, 720))
     tasks = [step.task for step in plan.steps]
     plan_ms = _median_ms(lambda: compile(tasks, (1280, 720), ["image"]), 200)
-    one = Scene(scene.draws[:1], cameras=scene.cameras, up=scene.up)
+    one = Scene(scene.meshes[:1], cameras=scene.cameras, up=scene.up)
     frame = renderer.frame(one, camera, (1, 1), settings, aovs=("image",))
     frame()
     with without_draws():

@@ -7,10 +7,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .. import images
-from ..difference import compare as compare_pictures
-from ..difference import difference_picture
 from ..errors import SettingsError
+from ..io import images
+from ..metrics.images import compare as compare_pictures
+from ..metrics.images import difference_picture
 from .output import check_output, say
 
 
@@ -46,7 +46,7 @@ def compare(
         check_output("--diff", diff, (".png",))
     found = compare_pictures(actual, expected, [name.strip() for name in metric.split(",") if name.strip()])
     if diff is not None:
-        images.save(diff, difference_picture(actual, expected))
+        images.save_image(diff, difference_picture(actual, expected))
     over = max_abs is not None and not found.max_abs <= max_abs
     say(found.describe() + (f"; over the limit of {max_abs:g}" if over else ""))
     return 1 if over else 0

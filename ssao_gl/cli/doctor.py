@@ -9,7 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..gl.providers import PROVIDERS
-from .output import say, table
+from .output import print_table, say
 
 TIMEOUT_S = 60
 
@@ -34,7 +34,7 @@ def doctor(*, probe: Annotated[str | None, Parameter(show=False)] = None) -> int
         except subprocess.TimeoutExpired:
             reason = f"no answer within {TIMEOUT_S} s"
         rows.append((provider.name, "no", f"{reason}. Cure: {provider.cure}"))
-    table("OpenGL providers, in the order of --gl auto", ("provider", "", "version, renderer, limits; or why not"), rows)
+    print_table("OpenGL providers, in the order of --gl auto", ("provider", "", "version, renderer, limits; or why not"), rows)
     if not working:
         say("No OpenGL at all. The cure that needs no root: pip install 'ssao_gl[software]'")
         return 3

@@ -11,20 +11,20 @@ from cyclopts import Parameter
 
 from .. import planner
 from ..errors import SettingsError, near_miss
-from ..framing import framing
-from ..leftout import memory, rules
-from ..methods import registry
-from ..passes.blur import BLURS
-from ..pipeline import plan_render
-from ..renderer import Renderer
-from ..savings import FRAMES, savings
+from ..experiment.culling_savings import FRAMES, benchmark_rules
+from ..methods.registry import registry
+from ..passes.denoise import FILTERS
+from ..pipeline.build import plan_render
+from ..pipeline.explain import plan_memory, rule_statuses
+from ..pipeline.frame_setup import frame_setup
+from ..render.renderer import Renderer
 from ..settings import limits
-from ..tiles import USUAL_LIMIT, layout, unguarded
-from .explained import Explained
+from ..tiling.layout import USUAL_LIMIT, layout, unguarded
+from .explain_text import Explained
 from .options import GlOption, LookOptions, ViewOptions
-from .output import say, table
-from .planning import PlanOptions, drawn_at_once, listed, tell
-from .tiling import TileOption
+from .output import print_table, say
+from .plan_options import PlanOptions, drawn_at_once, listed, tell
+from .tile_options import TileOption
 
 
 def explain(
@@ -58,23 +58,31 @@ def explain(
     loaded = view.load(scene)
     camera = view.choose(loaded)
     aovs = tuple(part.strip() for part in aov.split(","))
-    made, choice = framing(loaded, camera, size, settings, USUAL_LIMIT), None
+    made, choice = frame_setup(loaded, camera, size, settings, USUAL_LIMIT), None
     if target:
         drawn_at_once(target, layout(loaded, camera, size, made.settings, aovs, tile=tile))
         with Renderer(gl) as renderer:
             choice = planner.plan(renderer, loaded, camera, size, target, settings, aovs=aovs)
-        made = framing(loaded, camera, size, choice.settings, USUAL_LIMIT)
+        made = frame_setup(loaded, camera, size, choice.settings, USUAL_LIMIT)
     cut = layout(loaded, camera, size, made.settings, aovs, tile=tile)
     if cut and measure:
         raise SettingsError("--measure: a picture in tiles is not drawn at once; choose a smaller --size, and no --tile")
     settings, outer = (unguarded(made.settings), cut.outer) if cut else (made.settings, made.outer)
     plan = plan_render(settings, outer, aovs, triangles=made.triangles)
     found = Explained(
-        loaded, camera, made, plan, cut, memory(settings, cut.outer if cut else size, plan), rules(made, plan), [], ""
+        loaded,
+        camera,
+        made,
+        plan,
+        cut,
+        plan_memory(settings, cut.outer if cut else size, plan),
+        rule_statuses(made, plan),
+        [],
+        "",
     )
     if measure:
         with Renderer(gl, keep=FRAMES) as renderer:
-            measured = savings(renderer, loaded, camera, size, settings, rounds=rounds)
+            measured = benchmark_rules(renderer, loaded, camera, size, settings, rounds=rounds)
             found = dataclasses.replace(found, savings=measured, where=f"{renderer.ctx.provider}, {renderer.ctx.renderer}")
     if json:
         say(json_module.dumps(found.table() | ({"planned": listed(choice)} if choice else {}), indent=1))
@@ -93,7 +101,7 @@ def methods(name: str | None = None) -> int:
     name
         Only this one.
     """
-    kinds = {**registry(), **{f"blur {key}": kind for key, kind in BLURS.items()}}
+    kinds = {**registry(), **{f"blur {key}": kind for key, kind in FILTERS.items()}}
     if name is not None:
         chosen = {key: kind for key, kind in kinds.items() if name in (key, key.removeprefix("blur "))}
         if not chosen:
@@ -105,7 +113,7 @@ def methods(name: str | None = None) -> int:
             (f.name, "auto" if f.default is None else str(f.default), limits(f).unit, limits(f).describe(), limits(f).doc)
             for f in dataclasses.fields(kind)
         ]
-        table("", ("setting", "default", "unit", "range", "what it is"), rows)
+        print_table("", ("setting", "default", "unit", "range", "what it is"), rows)
         for contract, deviation in getattr(kind, "exceptions", {}).items():
             say(f"  by its definition it breaks '{contract}' (bound {deviation.bound:g}): {deviation.reason}")
     return 0

@@ -11,15 +11,16 @@ from typing import Annotated
 import numpy as np
 from cyclopts import Parameter
 
-from ..camera import Camera, Lens, Orthographic, Perspective, look_at
-from ..config import read_toml, settings_from
 from ..errors import SettingsError
-from ..methods import registry
-from ..passes.blur import BLURS
-from ..pipeline import RULES, Settings, Shading
-from ..scene import Scene
+from ..loaders.load import load_scene
+from ..methods.registry import registry
+from ..passes.denoise import FILTERS
+from ..pipeline.presets import read_toml, settings_from
+from ..pipeline.settings import CULLING_RULES, Settings, Shading
+from ..scene.camera import Camera, Lens, Orthographic, Perspective, look_at
+from ..scene.model import Scene
+from ..scene.projection import Matrix, Size
 from ..settings import limits, title
-from ..view import Matrix, Size
 from .output import parse_size, parse_vector
 
 
@@ -55,7 +56,10 @@ class LookOptions:
     keep: Annotated[
         tuple[str, ...],
         Parameter(
-            name="--keep", help=f"A rule of leaving out to switch off: {', '.join(RULES)}.", negative="", show_default=False
+            name="--keep",
+            help=f"A rule of leaving out to switch off: {', '.join(CULLING_RULES)}.",
+            negative="",
+            show_default=False,
         ),
     ] = ()
     keep_all: Annotated[bool, Parameter(name="--keep-all", help="Leave nothing out.", negative="", show_default=False)] = False
@@ -115,18 +119,18 @@ class ViewOptions:
     def load(self, path: Path | None) -> Scene:
         """The scene file, or the embedded scene. Raises SceneError, SettingsError."""
         if path is None:
-            from ..default_scene import default_scene
+            from ..scene.sample_scene import default_scene
 
             return default_scene()
         if not 0 <= self.crease_deg <= 180:
             raise SettingsError(f"--crease-deg {self.crease_deg:g}: must be 0 to 180")
-        return Scene.load(path, crease=math.radians(self.crease_deg), up=self.up_axis)
+        return load_scene(path, crease=math.radians(self.crease_deg), up=self.up_axis)
 
     def choose(self, scene: Scene) -> Camera:
         """The camera for ``scene``: the options' over the file's over the scene's over an automatic one."""
         size = self.pixels()
         if self.camera is not None:
-            from ..adapters.camera_files import load_camera
+            from ..loaders.camera_files import load_camera
 
             base = load_camera(self.camera)
         else:
@@ -184,10 +188,10 @@ JsonOption = Annotated[
 
 def settings_help() -> str:
     """Every setting with unit, default and range, from the dataclasses themselves."""
-    groups = [Settings, *registry().values(), *BLURS.values(), Shading]
+    groups = [Settings, *registry().values(), *FILTERS.values(), Shading]
     lines = ["Settings for --set and TOML files (group.key, default, unit, range):"]
     for kind in groups:
-        prefix = f"blur.{title(kind)}" if kind in BLURS.values() else title(kind)
+        prefix = f"blur.{title(kind)}" if kind in FILTERS.values() else title(kind)
         lines.append(f"  {prefix if kind is not Settings else '(no group)'}")
         for field in (f for f in dataclasses.fields(kind) if "limits" in f.metadata):
             rule = limits(field)

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..errors import FormatError, SettingsError, near_miss
-from ..files import check_writable, is_folder, unreadable, written
-from ..inputs import check_size
+from ..io.atomic import atomic_write, check_writable, is_folder, why_unreadable
+from ..render.arrays import check_size
 
 Item = TypeVar("Item")
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
@@ -23,7 +23,7 @@ def say(text: str, report: Path | None = None) -> None:
         (sys.stderr if str(report) == "-" else sys.stdout).write(text + "\n")
 
 
-def table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
+def print_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
     """A table as wide as the terminal (as wide as it needs when piped)."""
     from rich.console import Console
     from rich.table import Table
@@ -54,7 +54,7 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
     if str(path) == "-":
         sys.stdout.write(text)
         return
-    with written(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_text(text, "utf-8")
 
 
@@ -67,7 +67,7 @@ def check_output(option: str, path: Path, suffixes: Sequence[str], *, folder: bo
         check_writable(path)
     elif path.suffix or not folder:
         raise FormatError(f"{option} {path}: unknown suffix '{path.suffix}'; use {known}.{near_miss(path.suffix, suffixes)}")
-    elif unreadable(path, empty=True) is None:
+    elif why_unreadable(path, empty=True) is None:
         raise FormatError(f"{option} {path}: is a file; use a name that ends in {known}")
     else:
         check_writable(path, folder=True)

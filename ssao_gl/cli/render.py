@@ -11,21 +11,23 @@ from typing import Annotated
 import numpy as np
 from cyclopts import Parameter
 
-from .. import images, planner
-from ..camera import Camera
+from .. import planner
 from ..errors import FormatError, SettingsError
-from ..files import claimed, make_folder
-from ..picture import Picture, save_animation
-from ..pipeline import AOVS, Settings
+from ..io import images
+from ..io.atomic import locked_folder, make_folder
+from ..pipeline.outputs import AOVS
+from ..pipeline.settings import Settings
 from ..planner import Target
-from ..renderer import Renderer
-from ..scene import Scene
-from ..tiled import Job
-from ..tiles import layout
+from ..render.picture import Picture, save_animation
+from ..render.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..tiling.job import Job
+from ..tiling.layout import layout
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, progress, say, write_json
-from .planning import PlanOptions, compared, drawn_at_once, expected
-from .tiling import TileOption, draw_tiles, summary
+from .plan_options import PlanOptions, compared, drawn_at_once, expected
+from .tile_options import TileOption, draw_tiles, summary
 
 ANIMATIONS = (".gif", ".webp", ".apng")
 TIMED_FRAMES = 5
@@ -113,9 +115,9 @@ def _aovs(text: str | None, output: Path, turntable: int) -> tuple[str, ...]:
             return ("image",)
         return ("visibility",) if output.suffix.lower() in images.SUFFIXES else ("image", "visibility")
     aovs = tuple(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
-    from ..pipeline import resources
+    from ..pipeline.outputs import aov_resources
 
-    resources(aovs)  # names are checked before anything is drawn
+    aov_resources(aovs)  # names are checked before anything is drawn
     if not aovs:
         raise SettingsError("--aov: name at least one of " + ", ".join(AOVS))
     if len(aovs) > 1 and output.suffix.lower() in images.SUFFIXES:
@@ -155,7 +157,7 @@ def _turn(
         say(f"{output}: {count} frames")
         return
     make_folder(output)
-    with claimed(output):
+    with locked_folder(output):
         for index, picture in enumerate(shown):
             picture.save(output / (f"{index:04d}.png" if len(aovs) == 1 else f"{index:04d}"))
     say(f"{output}/: {count} frames")

@@ -13,16 +13,16 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..errors import FormatError, SettingsError
-from ..falloff import Falloff
-from ..files import check_writable
-from ..renderer import Renderer
-from ..report.sweep import Progress, Sweep, fitting_scenes, split_size
-from ..report.variants import TRUTH, variants
-from ..report.views import views
+from ..experiment.sweep import Sweep, SweepProgress, fitting_scenes, split_size
+from ..experiment.variants import TRUTH, variants
+from ..experiment.views import views
+from ..io.atomic import check_writable
+from ..io.cache import default_folder
+from ..render.renderer import Renderer
+from ..sampling.falloff import Falloff
+from ..scene.projection import Size
 from ..truth import Tracing
-from ..truth.cache import default_folder
 from ..truth.settings import NORMALS
-from ..view import Size
 from .options import GlOption
 from .output import QUIET, parse_size, say
 
@@ -108,14 +108,15 @@ def report(
     scenes
         Scene files, with cameras in NAME.cam.json beside them. Without any: the embedded scene.
     """
-    from ..report.machine import check_packages, code, machine
-    from ..report.results import load, results
-    from ..report.rules import MOST_VIEWS
-    from ..savings import FRAMES
+    from ..experiment.culling_rules import MOST_VIEWS
+    from ..experiment.culling_savings import FRAMES
+    from ..experiment.environment import check_packages, machine
+    from ..experiment.results import load_results, results
+    from ..io.fingerprint import code_fingerprint
 
-    before = load(compare) if compare else None
+    before = load_results(compare) if compare else None
     if before is not None and [path.suffix.lower() for path in scenes] == [".json"]:
-        return _compare(before, load(scenes[0]), max_regression, max_slowdown)
+        return _compare(before, load_results(scenes[0]), max_regression, max_slowdown)
     sizes = _sizes(size)
     chosen = variants(_listed(methods), _listed(presets), set)
     if rounds < 1:
@@ -134,14 +135,14 @@ def report(
         scaling=scaling,
         rules=len(seen) <= MOST_VIEWS if rules is None else rules,
     )
-    from ..report.journal import Journal
-    from ..report.machine import now
-    from ..report.run import Run
+    from ..experiment.environment import now
+    from ..experiment.run import Run
+    from ..io.journal import Journal
     from ..report.write import write
 
     with Renderer(gl, keep=len({variant.method for variant in chosen}) + FRAMES) as renderer:
         facts = machine(renderer.ctx)
-        with Journal(output, sweep.header(facts, code()), sweep.contents) as journal:
+        with Journal(output, sweep.header(facts, code_fingerprint()), sweep.contents) as journal:
             with _bar() as progress:
                 try:
                     Run(sweep, renderer, journal, output, _cache(cache, output), progress).measure()
@@ -158,13 +159,13 @@ def report(
 
 def _compare(before: dict[str, object], after: dict[str, object], max_regression: float, max_slowdown: float | None) -> int:
     from ..report.compare import changes, regressions
-    from .output import table
+    from .output import print_table
 
     found = changes(before, after)
     if not found:
         raise FormatError("the two reports share no view and variant; there is nothing to compare")
     columns = ("variant", "what", "views", "before", "after", "change", "95 % of resamplings", "verdict")
-    table("Change between the reports, paired over views", columns, [change.cells() for change in found])
+    print_table("Change between the reports, paired over views", columns, [change.cells() for change in found])
     worse = regressions(found, max_regression, max_slowdown)
     for change in worse:
         say(f"worse than the limit: {change.describe()}")
@@ -196,7 +197,7 @@ def _cache(given: Path | None, output: Path) -> Path:
 
 
 @contextmanager
-def _bar() -> Iterator[Progress]:
+def _bar() -> Iterator[SweepProgress]:
     """A progress bar with the time left, when standard error is a terminal."""
     if QUIET.get() or not sys.stderr.isatty():
         yield lambda title, done, total: None

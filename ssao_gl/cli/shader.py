@@ -8,11 +8,11 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .. import sources
 from ..errors import SettingsError
-from ..methods import registry
+from ..glsl import preprocess
+from ..methods.registry import registry
 
-EXAMPLES: Mapping[str, Mapping[str, sources.Define]] = {
+EXAMPLES: Mapping[str, Mapping[str, preprocess.Define]] = {
     "gbuffer.frag": {"TARGETS": 3, "DEPTH_TARGET": 0, "NORMAL_TARGET": 1, "COLOR": 2, "NORMAL": 1, "SMOOTH": 1},
     "gbuffer.vert": {"NORMAL": 1, "SMOOTH": 1},
     "pack.frag": {"PACKED": 1},
@@ -29,7 +29,7 @@ EXAMPLES: Mapping[str, Mapping[str, sources.Define]] = {
 def shader(
     name: str | None = None,
     *,
-    dialect: Annotated[str, Parameter(help=f"One of {', '.join(sources.DIALECTS)}.")] = "es300",
+    dialect: Annotated[str, Parameter(help=f"One of {', '.join(preprocess.DIALECTS)}.")] = "es300",
     define: Annotated[
         tuple[str, ...],
         Parameter(help="NAME or NAME=VALUE, over the defaults; may be repeated.", negative="", show_default=False),
@@ -43,7 +43,7 @@ def shader(
         A method (alchemy) or a shader file (blur_joint.frag). Without it: the list of both.
     """
     if name is None:
-        sys.stdout.write("\n".join([*registry(), *sources.names()]) + "\n")
+        sys.stdout.write("\n".join([*registry(), *preprocess.names()]) + "\n")
         return 0
     methods = registry()
     file = methods[name].shader if name in methods else name  # type: ignore[attr-defined]
@@ -53,11 +53,11 @@ def shader(
         if not key.isidentifier():
             raise SettingsError(f"--define {text}: must be NAME or NAME=VALUE")
         defines[key] = value or 1
-    sys.stdout.write(sources.build(file, defines, dialect).text)
+    sys.stdout.write(preprocess.build(file, defines, dialect).text)
     return 0
 
 
-def defaults(file: str) -> Mapping[str, sources.Define]:
+def defaults(file: str) -> Mapping[str, preprocess.Define]:
     """The defines that the default settings give a shader file."""
     for kind in registry().values():
         if kind.shader == file:  # type: ignore[attr-defined]

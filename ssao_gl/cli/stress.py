@@ -14,17 +14,18 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..errors import ContextError, SettingsError, near_miss
-from ..files import check_writable
 from ..gl.providers import PROVIDERS
-from ..renderer import Renderer
-from ..stress.battery import FAIL, battery, runs
-from ..stress.case import Case, cases
+from ..io.atomic import check_writable
+from ..render.renderer import Renderer
+from ..stress.case import Case
+from ..stress.case_table import COLUMNS, case_table_markdown, rows
+from ..stress.catalogue import cases
 from ..stress.fuzz import PREFIX, planned, random_case
-from ..stress.listing import COLUMNS, markdown, rows
 from ..stress.replay import Recorder, replayed
-from ..stress.report import SUFFIXES, Results, matrix, save
-from ..stress.subject import DEFAULT, subjects
-from .output import check_output, progress, say, table
+from ..stress.report import SUFFIXES, StressResults, matrix, save_stress_report
+from ..stress.specimen import DEFAULT, specimens
+from ..stress.verdicts import FAIL, run_cases, runs
+from .output import check_output, print_table, progress, say
 
 Listed = tuple[str, ...]
 ACROSS = 10
@@ -74,17 +75,17 @@ def stress(
     if seed < 0 or (number or 0) < 0:
         raise SettingsError(f"--seed {seed} --cases {number}: must not be negative")
     named, count = _named(_split(only), seed), RANDOM if number is None and not only else number or 0
-    chosen = subjects(_split(methods), _split(presets) or [DEFAULT], precision)
+    chosen = specimens(_split(methods), _split(presets) or [DEFAULT], precision)
     steady = runs(named, chosen)
     check_writable(failures, folder=True)
-    results, facts = Results(), {"command": shlex.join(["ssao-gl", *sys.argv[1:]]), "seed": str(seed)}
+    results, facts = StressResults(), {"command": shlex.join(["ssao-gl", *sys.argv[1:]]), "seed": str(seed)}
     with ExitStack() as stack:
         first = cache(lambda: stack.enter_context(Renderer("auto", keep=KEEP)))
         for renderer in _renderers(gl):
             name = renderer.ctx.provider
             facts[name] = f"{renderer.ctx.version}, {renderer.ctx.renderer}"
             plan = chain(steady, planned(seed, range(count), chosen))
-            found = battery(renderer, plan, first, Recorder(renderer, failures, seed))
+            found = run_cases(renderer, plan, first, Recorder(renderer, failures, seed))
             for row in progress(found, f"stress, {name}", len(steady) + count):
                 results.add(row)
             _show(name, facts[name], results)
@@ -133,9 +134,9 @@ def _split(texts: Sequence[str]) -> list[str]:
 
 def _list(as_page: bool) -> None:
     if as_page:
-        sys.stdout.write(markdown())
+        sys.stdout.write(case_table_markdown())
     else:
-        table("Cases, each for every method", COLUMNS, rows(cases().values()))
+        print_table("Cases, each for every method", COLUMNS, rows(cases().values()))
 
 
 def _replay(folder: Path, gl: str) -> int:
@@ -145,24 +146,24 @@ def _replay(folder: Path, gl: str) -> int:
     return int(row.verdict == FAIL)
 
 
-def _show(provider: str, facts: str, results: Results) -> None:
+def _show(provider: str, facts: str, results: StressResults) -> None:
     """One table a provider: cases down, methods across."""
     named = [row for row in results.named if row.provider == provider]
     if named:
         columns, lines = matrix(named)
         for start in range(1, len(columns), ACROSS):
             part = slice(start, start + ACROSS)
-            table(f"{provider}: {facts}", [columns[0], *columns[part]], [[line[0], *line[part]] for line in lines])
+            print_table(f"{provider}: {facts}", [columns[0], *columns[part]], [[line[0], *line[part]] for line in lines])
     for method, preset, verdict, count in results.tallies(provider):
         say(f"{provider}, {count} random cases of {method} {preset}: {verdict}")
 
 
-def _conclude(results: Results, facts: dict[str, str], output: Path | None) -> int:
+def _conclude(results: StressResults, facts: dict[str, str], output: Path | None) -> int:
     """Say what failed and how to replay it; the exit code."""
     for row in results.failed:
         measured = "" if row.measured is None else f", {row.measured:.3g} over {row.bound:.3g}"
         say(f"FAIL {row.case}, {row.method} {row.preset}, {row.provider}{measured}: {row.reason}\n     replay: {row.command}")
     if output is not None:
-        save(output, results, facts)
+        save_stress_report(output, results, facts)
     say(", ".join(f"{count} {verdict}" for verdict, count in results.counts().items()))
     return int(bool(results.failed))

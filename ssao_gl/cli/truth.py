@@ -11,15 +11,15 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from .. import images
 from ..errors import FormatError
-from ..falloff import Falloff
-from ..files import check_writable
-from ..scene import Scene
+from ..io import images
+from ..io.atomic import check_writable
+from ..io.cache import default_folder
+from ..sampling.falloff import Falloff
+from ..scene.model import Scene
 from ..truth import Tracing, Truth, trace
-from ..truth.cache import default_folder
 from ..truth.settings import MOST_SPP, NORMALS, SPP
-from ..truth.trace import Progress
+from ..truth.trace import TraceProgress
 from .options import ViewOptions
 from .output import QUIET, check_json, check_output, say, write_json
 
@@ -153,7 +153,7 @@ def _folder(given: Path | None) -> Path | None:
 
 
 @contextmanager
-def _bar() -> Iterator[Progress | None]:
+def _bar() -> Iterator[TraceProgress | None]:
     """A progress bar with the time left, when standard error is a terminal."""
     if QUIET.get() or not sys.stderr.isatty():
         yield None

@@ -12,8 +12,8 @@ from typing import Literal
 import moderngl
 
 from ..errors import ContextError, one_line
+from .guest_state import GlState
 from .loader import Functions, GetProc, Loader
-from .state import GlState
 
 Api = Literal["es", "gl"]
 

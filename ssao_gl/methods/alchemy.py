@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -10,16 +9,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernel import Kernel, Rotation
+from ..sampling.disk import Kernel, Rotation
+from ..sampling.falloff import CORNER
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..view import View
-from . import Deviation, register
-
-CORNER = math.pi / (8 * math.log(1 + math.sqrt(2)))
-"""Sigma over the radius for which a point in the corner of two walls is half occluded, seen along the corner's
-bisector. There the estimator's mean over the disk is ``2 sigma/(pi R^2) * 2 R ln(1 + sqrt 2)`` (with h and b the
-height on the wall and the way along it, ``h/(h^2+b^2)`` integrated over the half disk ``h = sqrt 2 a``), and the true
-cosine-weighted occlusion is 1/2."""
+from .base import Deviation
+from .registry import register
 
 
 @register
@@ -62,7 +57,7 @@ class Alchemy:
     def defines(self) -> Mapping[str, int]:
         return {"SAMPLES": self.samples}
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
         if self.radius is None:
             raise ValueError("the radius must be settled before the draw")
         kernel = Kernel(count=self.samples, distribution=self.distribution, seed=self.seed)

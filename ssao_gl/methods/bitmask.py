@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..kernel import bayer
+from ..glsl.preprocess import Define
+from ..sampling.disk import bayer
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..sources import Define
-from ..view import View
-from . import Deviation, register
+from .base import Deviation
+from .registry import register
 
 FALLOFFS = ("hard", "quadratic", "obscurance", "alchemy")
 """As in :class:`ssao_gl.falloff.Falloff`; the shader knows them by number."""
@@ -84,7 +85,7 @@ class Bitmask:
         every |= {"SECOND_LAYER": 1} if self.layers == 2 else {}
         return every | ({"FALLOFF": FALLOFFS.index(self.falloff)} if self.falloff != "hard" else {})
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
         if self.radius is None:
             raise ValueError("the radius must be settled before the draw")
         angle = math.pi / self.slices
@@ -106,10 +107,10 @@ class Bitmask:
 
     def bent(self) -> Mapping[str, NDArray[np.float32]]:
         """Lookups for bent normals."""
-        return {"u_directions": eighths()}
+        return {"u_directions": octant_directions()}
 
 
-def eighths(width: int = 128, steps: int = 4096) -> NDArray[np.float32]:
+def octant_directions(width: int = 128, steps: int = 4096) -> NDArray[np.float32]:
     """Mean directions of the eighths of a slice's measure (4, width, 4), two in a texel: along the slice, and to the viewer.
 
     Column i is for a normal in the slice at the angle gamma from the viewer, with sines evenly from -1 to 1; the measure of an

@@ -9,11 +9,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ball import ball, planes
+from ..glsl.preprocess import Define
+from ..sampling import noise
+from ..sampling.sphere import reflection_planes, sphere_points
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..sources import Define
-from ..view import View
-from . import Deviation, register, taps
+from .base import Deviation
+from .registry import register
 
 _GREY = "half of the sphere round a point of a surface lies behind it"
 
@@ -46,10 +48,10 @@ class Crytek:
     }
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {"raw": {"doubled": False}, "doubled": {"doubled": True}}
 
-    radius: float | None = taps.radius()
+    radius: float | None = noise.radius()
     samples: int = setting(16, "points of the sphere", low=1, high=128)
     doubled: bool = setting(False, "twice the visibility, clamped: a plane is open")
-    max_radius: float = taps.max_radius()
+    max_radius: float = noise.max_radius()
 
     def __post_init__(self) -> None:
         validate(self)
@@ -57,9 +59,9 @@ class Crytek:
     def defines(self) -> Mapping[str, Define]:
         return {"SAMPLES": self.samples}
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
-        reach = taps.reach(self.radius, self.max_radius)
-        return {**reach, "u_points": ball(self.samples), "u_gain": 2.0 if self.doubled else 1.0}
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+        reach = noise.reach_uniforms(self.radius, self.max_radius)
+        return {**reach, "u_points": sphere_points(self.samples), "u_gain": 2.0 if self.doubled else 1.0}
 
     def lookups(self) -> Mapping[str, NDArray[np.float32]]:
-        return {"u_planes": planes(taps.TILE)}
+        return {"u_planes": reflection_planes(noise.TILE)}

@@ -10,10 +10,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..glsl.preprocess import Define
+from ..sampling import noise
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..sources import Define
-from ..view import View
-from . import Deviation, register, taps
+from .base import Deviation
+from .registry import register
 
 
 @register
@@ -46,7 +48,7 @@ class Gtao:
         "ultra": {"slices": 9, "steps": 3},
     }
 
-    radius: float | None = taps.radius()
+    radius: float | None = noise.radius()
     slices: int = setting(3, "directions through each pixel", low=1, high=64)
     steps: int = setting(3, "taps to each side of a slice", low=1, high=64)
     radius_multiplier: float = setting(1.457, "of the radius, against biases of screen space", above=0, high=10)
@@ -54,7 +56,7 @@ class Gtao:
     thin: float = setting(0.0, "distances in depth count more by this share: occluders are not that thick", low=0, high=0.7)
     lift: float = setting(0.05, "of the slices' weights towards 1", low=0, high=1)
     power: float = setting(2.2, "contrast, applied last", above=0, high=16)
-    max_radius: float = taps.max_radius()
+    max_radius: float = noise.max_radius()
 
     def __post_init__(self) -> None:
         validate(self)
@@ -62,11 +64,11 @@ class Gtao:
     def defines(self) -> Mapping[str, Define]:
         return {"SLICES": self.slices, "STEPS": self.steps}
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
         angle = math.pi / self.slices
         radius = None if self.radius is None else self.radius * self.radius_multiplier
         return {
-            **taps.reach(radius, self.max_radius),
+            **noise.reach_uniforms(radius, self.max_radius),
             "u_next_slice": (math.cos(angle), math.sin(angle)),
             "u_per_falloff": 1 / self.falloff,
             "u_thin": 1 + self.thin,
@@ -75,4 +77,4 @@ class Gtao:
         }
 
     def lookups(self) -> Mapping[str, NDArray[np.float32]]:
-        return {"u_noise": taps.directions(math.pi / self.slices)}
+        return {"u_noise": noise.tile_directions(math.pi / self.slices)}

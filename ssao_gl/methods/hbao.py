@@ -10,10 +10,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..glsl.preprocess import Define
+from ..sampling import noise
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..sources import Define
-from ..view import View
-from . import Deviation, register, taps
+from .base import Deviation
+from .registry import register
 
 
 @register
@@ -33,14 +35,14 @@ class Hbao:
     samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
 
-    radius: float | None = taps.radius()
+    radius: float | None = noise.radius()
     directions: int = setting(6, "round each pixel", low=1, high=32)
     steps: int = setting(6, "taps a direction", low=1, high=64)
     bias: float = setting(
         math.pi / 18, "above the tangent plane; hides that round shapes have facets", unit="radians", low=0, high=1.5
     )
     intensity: float = setting(1.0, "strength", low=0, high=16)
-    max_radius: float = taps.max_radius()
+    max_radius: float = noise.max_radius()
 
     def __post_init__(self) -> None:
         validate(self)
@@ -48,14 +50,14 @@ class Hbao:
     def defines(self) -> Mapping[str, Define]:
         return {"DIRECTIONS": self.directions, "STEPS": self.steps}
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
         angle = 2 * math.pi / self.directions
         return {
-            **taps.reach(self.radius, self.max_radius),
+            **noise.reach_uniforms(self.radius, self.max_radius),
             "u_next": (math.cos(angle), math.sin(angle)),
             "u_bias": (math.cos(self.bias), math.sin(self.bias)),
             "u_strength": self.intensity / self.directions,
         }
 
     def lookups(self) -> Mapping[str, NDArray[np.float32]]:
-        return {"u_noise": taps.directions(2 * math.pi / self.directions)}
+        return {"u_noise": noise.tile_directions(2 * math.pi / self.directions)}

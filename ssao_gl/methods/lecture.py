@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..kernel import Kernel, Rotation
+from ..sampling.disk import Kernel, Rotation
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..view import View
-from . import Deviation, register
+from .base import Deviation
+from .registry import register
 
 
 @register
@@ -58,7 +59,7 @@ class Lecture:
     def defines(self) -> Mapping[str, int]:
         return {"NSAMPLES": self.samples}
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
         """Raises SettingsError for a camera without a far plane or with parallel rays, for which it is not defined."""
         if not view.pinhole:
             raise SettingsError("lecture: is defined for perspective cameras only; use another method")

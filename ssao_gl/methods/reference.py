@@ -9,10 +9,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..glsl.preprocess import Define
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..sources import Define
-from ..view import View
-from . import Deviation, register
+from .base import Deviation
+from .registry import register
 
 
 @register
@@ -50,7 +51,7 @@ class Reference:
         every |= {"SECOND_LAYER": 1} if self.layers == 2 else {}
         return every | ({"THICK": 1} if self.thickness is None else {})
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
         return {"u_radius": self.radius, "u_thickness": self.thickness or 0.0}
 
     def lookups(self) -> Mapping[str, NDArray[np.float32]]:

@@ -10,11 +10,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernel import Rotation
+from ..glsl.preprocess import Define
+from ..sampling import noise
+from ..sampling.disk import Rotation
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..sources import Define
-from ..view import View
-from . import Deviation, register, taps
+from .base import Deviation
+from .registry import register
 
 
 @register
@@ -34,12 +36,12 @@ class Sao:
     samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
 
-    radius: float | None = taps.radius()
+    radius: float | None = noise.radius()
     samples: int = setting(11, "taps a pixel", low=1, high=128)
     turns: int = setting(7, "of the spiral; no divisor in common with the taps", low=1, high=128)
     intensity: float = setting(1.0, "sigma over the radius", low=0, high=16)
     bias: float = setting(0.01, "raise it if flat surfaces speckle", unit="radii", low=0, high=1)
-    max_radius: float = taps.max_radius()
+    max_radius: float = noise.max_radius()
 
     def __post_init__(self) -> None:
         validate(self)
@@ -47,12 +49,12 @@ class Sao:
     def defines(self) -> Mapping[str, Define]:
         return {"SAMPLES": self.samples}
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
         length = (np.arange(self.samples) + 0.5) / self.samples
         angle = length * self.turns * 2 * math.pi
         spiral = np.stack([length * np.cos(angle), length * np.sin(angle)], 1).astype(np.float32)
-        reach = taps.reach(self.radius, self.max_radius)
+        reach = noise.reach_uniforms(self.radius, self.max_radius)
         return {**reach, "u_spiral": spiral, "u_bias": self.bias, "u_strength": 5 * self.intensity}
 
     def lookups(self) -> Mapping[str, NDArray[np.float32]]:
-        return {"u_rotation": Rotation(tile=taps.TILE).vectors()}
+        return {"u_rotation": Rotation(tile=noise.TILE).vectors()}

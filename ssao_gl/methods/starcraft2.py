@@ -9,11 +9,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ball import ball, planes
+from ..glsl.preprocess import Define
+from ..sampling import noise
+from ..sampling.sphere import reflection_planes, sphere_points
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..sources import Define
-from ..view import View
-from . import Deviation, register, taps
+from .base import Deviation
+from .registry import register
 
 
 @register
@@ -36,7 +38,7 @@ class Starcraft2:
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {str(count): {"samples": count} for count in (8, 16, 32)}
 
-    radius: float | None = taps.radius()
+    radius: float | None = noise.radius()
     samples: int = setting(16, "points of the hemisphere, for each radius", low=1, high=64)
     radii: int = setting(2, "how many; the largest occlusion counts", low=1, high=4)
     ratio: float = setting(0.25, "of each radius to the one before", above=0, high=1)
@@ -44,7 +46,7 @@ class Starcraft2:
     none: float = setting(2.0, "depth before the sample from which nothing occludes", unit="radii", above=0, high=1000)
     power: float = setting(1.0, "of the curve between full and none", above=0, high=16)
     bias: float = setting(0.01, "sine of the angle above the tangent plane that occluders must have", low=0, high=1)
-    max_radius: float = taps.max_radius()
+    max_radius: float = noise.max_radius()
 
     def __post_init__(self) -> None:
         validate(self)
@@ -52,14 +54,14 @@ class Starcraft2:
     def defines(self) -> Mapping[str, Define]:
         return {"SAMPLES": self.samples, "RADII": self.radii}
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
         return {
-            **taps.reach(self.radius, self.max_radius),
-            "u_points": ball(self.samples),
+            **noise.reach_uniforms(self.radius, self.max_radius),
+            "u_points": sphere_points(self.samples),
             "u_ratio": self.ratio,
             "u_curve": (self.full, 1 / max(self.none - self.full, 1e-6), self.power),
             "u_bias": self.bias,
         }
 
     def lookups(self) -> Mapping[str, NDArray[np.float32]]:
-        return {"u_planes": planes(taps.TILE)}
+        return {"u_planes": reflection_planes(noise.TILE)}

@@ -10,11 +10,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernel import Kernel
+from ..glsl.preprocess import Define
+from ..sampling import noise
+from ..sampling.disk import Kernel
+from ..scene.projection import ViewConstants
 from ..settings import setting, validate
-from ..sources import Define
-from ..view import View
-from . import Deviation, register, taps
+from .base import Deviation
+from .registry import register
 
 
 @register
@@ -34,9 +36,9 @@ class Volumetric:
     samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
 
-    radius: float | None = taps.radius()
+    radius: float | None = noise.radius()
     pairs: int = setting(4, "pairs of lines a pixel", low=1, high=64)
-    max_radius: float = taps.max_radius()
+    max_radius: float = noise.max_radius()
 
     def __post_init__(self) -> None:
         validate(self)
@@ -44,10 +46,10 @@ class Volumetric:
     def defines(self) -> Mapping[str, Define]:
         return {"PAIRS": self.pairs}
 
-    def uniforms(self, view: View) -> Mapping[str, Any]:
+    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
         points = Kernel(count=self.pairs).points().astype(np.float64)
         half = np.sqrt(1 - (points**2).sum(1, keepdims=True))
-        return {**taps.reach(self.radius, self.max_radius), "u_lines": np.hstack([points, half]).astype(np.float32)}
+        return {**noise.reach_uniforms(self.radius, self.max_radius), "u_lines": np.hstack([points, half]).astype(np.float32)}
 
     def lookups(self) -> Mapping[str, NDArray[np.float32]]:
-        return {"u_rotation": taps.directions(math.pi / 2)}  # reflected, pairs turn by half a circle: all there is
+        return {"u_rotation": noise.tile_directions(math.pi / 2)}  # reflected, pairs turn by half a circle: all there is

@@ -19,22 +19,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import sources
-from ..camera import Camera, look_at
 from ..errors import FormatError, one_line
-from ..files import make_folder, written
-from ..framing import framing
 from ..gl.context import Context
-from ..pipeline import Settings
-from ..scene import Scene
+from ..glsl import preprocess
+from ..io.atomic import atomic_write, make_folder
+from ..pipeline.frame_setup import frame_setup
+from ..pipeline.settings import Settings
+from ..scene.camera import Camera, look_at
+from ..scene.model import Scene
+from ..scene.projection import Size
 from ..settings import as_table
-from ..view import Size
 from .candidates import FAMILIES, Family
 from .choice import times
-from .cost import DRAWN, Framed, Rate, Rates, Work, fitted
+from .cost_model import DRAWN, CostRate, PassWork, PlannedFrame, Rates, fitted
 
 if TYPE_CHECKING:
-    from ..renderer import Renderer
+    from ..render.renderer import Renderer
 
 VERSION = 1
 """Part of every key: raised whenever the same driver would be probed in another way."""
@@ -56,8 +56,8 @@ def key(ctx: Context) -> str:
     probed = [[family.name, as_table(family.candidate(taps).made())] for family in FAMILIES for taps in family.probed]
     parts = [VERSION, ctx.provider, ctx.renderer, ctx.version, importlib.metadata.version("ssao_gl"), probed]
     digest = hashlib.sha256(json.dumps(parts, sort_keys=True).encode())
-    for path in sorted(p for p in sources.root().rglob("*") if p.is_file()):
-        digest.update(path.relative_to(sources.root()).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    for path in sorted(p for p in preprocess.root().rglob("*") if p.is_file()):
+        digest.update(path.relative_to(preprocess.root()).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:32]
 
 
@@ -76,7 +76,7 @@ def probe(renderer: Renderer) -> dict[str, Rates]:
     """Draw and time all probe frames. Passes that do the same in several families share a rate, which lessens its noise."""
     ctx = renderer.ctx
     small, large = SOFTWARE_SIZES if ctx.software else GPU_SIZES
-    measured: dict[tuple[Any, ...], list[tuple[Work, float]]] = {}
+    measured: dict[tuple[Any, ...], list[tuple[PassWork, float]]] = {}
     alike: dict[str, dict[str, tuple[Any, ...]]] = {family.name: {} for family in FAMILIES}
     probed = [(family, taps) for family in FAMILIES for taps in family.probed]
     scene, aovs = rough(), ("image",)
@@ -86,8 +86,8 @@ def probe(renderer: Renderer) -> dict[str, Rates]:
         for family, taps in probed:
             settings = Settings(method=family.candidate(taps).made(radius))
             ms = times(renderer.render(scene, camera, size, settings, aovs=aovs, timed=ROUNDS).report["passes"], clock(ctx))
-            made = framing(scene, camera, size, settings, ctx.max_size)
-            for task, one in Framed(made.plan(aovs), made.drawn, family.method, taps).works(covered).items():
+            made = frame_setup(scene, camera, size, settings, ctx.max_size)
+            for task, one in PlannedFrame(made.plan(aovs), made.drawn, family.method, taps).works(covered).items():
                 if task not in DRAWN:
                     alike[family.name][task] = _alike(task, family)
                     measured.setdefault(_alike(task, family), []).append((one, ms[task]))
@@ -130,7 +130,7 @@ def _write(path: Path, found: Mapping[str, Rates]) -> None:
     table = {name: {task: list(asdict(rate).values()) for task, rate in rates.items()} for name, rates in found.items()}
     try:
         make_folder(path.parent)
-        with written(path) as temporary:
+        with atomic_write(path) as temporary:
             temporary.write_text(json.dumps(table, indent=1) + "\n", "utf-8")
     except FormatError as error:
         log.warning("%s; probing again the next time", error)
@@ -143,7 +143,7 @@ def _read(path: Path) -> dict[str, Rates] | None:
     try:
         table = json.loads(path.read_text("utf-8"))
         found: dict[str, Rates] = {
-            name: {task: Rate(*map(float, numbers)) for task, numbers in table[name].items()}
+            name: {task: CostRate(*map(float, numbers)) for task, numbers in table[name].items()}
             for name in (family.name for family in FAMILIES)
         }
         if not all(

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import SettingsError, near_miss
-from ..methods import Method, method, presets_of
+from ..methods.base import Method
+from ..methods.registry import method, presets_of
 from ..settings import assign
 
 SECOND_LAYER: Mapping[str, Any] = {"layers": 2, "thickness": 0.2, "bridge": 2.0}

@@ -18,18 +18,18 @@ from pathlib import Path
 
 import numpy as np
 
-from ..camera import Camera
 from ..errors import SettingsError
-from ..files import written
-from ..pipeline import Settings
-from ..renderer import Renderer
-from ..scene import Scene
+from ..io.atomic import atomic_write
+from ..io.cache import default_folder
+from ..pipeline.settings import Settings
+from ..render.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size
 from ..truth import Tracing, trace
-from ..truth.cache import default_folder
-from ..view import Size
 from .candidates import CANDIDATES, PROBES
 from .choice import Prediction, Target, choose, times
-from .measure import SPP, rmse, views
+from .measure import SPP, file_views, foreground_rmse
 from .plan import ROUNDS, plan
 
 ALL = Target(budget_ms=1e9)
@@ -68,7 +68,7 @@ def outcomes(renderer: Renderer, scene: Scene, camera: Camera, size: Size) -> li
     def drawn(name: str) -> tuple[float, float]:
         settings = dataclasses.replace(choice.settings, method=CANDIDATES[name][1].made(radius))
         picture = renderer.render(scene, camera, size, settings, aovs=("visibility",), timed=ROUNDS)
-        return sum(times(picture.report["passes"], choice.clock).values()), rmse(picture.visibility, truth, depth)
+        return sum(times(picture.report["passes"], choice.clock).values()), foreground_rmse(picture.visibility, truth, depth)
 
     yardstick = PROBES[Settings().method.name][1]
     expected = next(p.ms for p in choice.considered if p.name == yardstick)
@@ -139,7 +139,7 @@ def main() -> None:
     w, h = map(int, given.size.split("x"))
     found: dict[str, list[Outcome]] = {}
     with Renderer(given.gl, keep=2) as renderer:
-        for scene, camera in views(given.scenes):
+        for scene, camera in file_views(given.scenes):
             some = outcomes(renderer, scene, camera, (w, h))
             found[some[0].view] = some
             off = [100 * float(np.median([abs(x) for x in xs])) for xs in (
@@ -152,7 +152,7 @@ def main() -> None:
             )
             sys.stdout.flush()
             if given.json:
-                with written(given.json) as temporary:
+                with atomic_write(given.json) as temporary:
                     temporary.write_text(
                         json.dumps([dataclasses.asdict(one) for every in found.values() for one in every], indent=1)
                     )

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import SettingsError
-from ..picture import Picture
-from ..pipeline import Settings
+from ..pipeline.settings import Settings
+from ..render.picture import Picture
 
 CLOCKS: Mapping[str, str] = {
     "cpu": "CPU time of all threads",

@@ -20,46 +20,47 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..adapters.camera_files import load_cameras
-from ..camera import Camera
-from ..files import written
-from ..pipeline import Settings
-from ..renderer import Renderer
-from ..scene import Scene
+from ..io.atomic import atomic_write
+from ..io.cache import default_folder
+from ..loaders.camera_files import load_cameras
+from ..loaders.load import load_scene
+from ..pipeline.settings import Settings
+from ..render.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size
 from ..truth import Tracing, Truth, trace
-from ..truth.cache import default_folder
-from ..view import Size
 from .candidates import CANDIDATES, Candidate
-from .errors import SIGNS
+from .error_model import SIGNS
+from .features import ViewFeatures
 from .plan import look
-from .signs import Signs
-from .subject import Subject, of_arrays, of_scene
+from .target_view import PlanTarget, of_arrays, of_scene
 
-RADII = (0.5, 1.0, 2.0)
+RADIUS_FACTORS = (0.5, 1.0, 2.0)
 """Of the camera file's."""
 SPP = 128
 
 
 @dataclass(frozen=True)
-class Row:
+class ErrorSample:
     """What was measured of one view: its signs, and the RMSE of each candidate. ``layers``: that can be had."""
 
     scene: str
     layers: int
     radius_factor: float
-    signs: Signs
+    signs: ViewFeatures
     rmse: Mapping[str, float]
 
 
-def views(paths: Sequence[Path]) -> Iterator[tuple[Scene, Camera]]:
+def file_views(paths: Sequence[Path]) -> Iterator[tuple[Scene, Camera]]:
     """Every camera of the files beside some scenes."""
     for path in paths:
-        scene = Scene.load(path)
+        scene = load_scene(path)
         for camera in load_cameras(path.with_suffix(".cam.json")):
             yield scene, camera
 
 
-def measured(renderer: Renderer, scene: Scene, camera: Camera, size: Size, factor: float) -> list[Row]:
+def measured(renderer: Renderer, scene: Scene, camera: Camera, size: Size, factor: float) -> list[ErrorSample]:
     """The rows of one view: as a scene, and as depth alone."""
     radius = factor * (camera.ao_radius or scene.default_radius())
     given = Settings().with_radius(radius)
@@ -69,19 +70,19 @@ def measured(renderer: Renderer, scene: Scene, camera: Camera, size: Size, facto
     return [_row(subject, scene.name, factor, truth, depth) for subject in subjects]
 
 
-def _row(subject: Subject, name: str, factor: float, truth: Truth, depth: NDArray[Any]) -> Row:
+def _row(subject: PlanTarget, name: str, factor: float, truth: Truth, depth: NDArray[Any]) -> ErrorSample:
     def settled(candidate: Candidate) -> Settings:
         return Settings(method=candidate.made(subject.radius))
 
     found = {
-        c.name: rmse(subject.draw(settled(c), 1, ("visibility",), 0).visibility, truth, depth)
+        c.name: foreground_rmse(subject.draw(settled(c), 1, ("visibility",), 0).visibility, truth, depth)
         for _, c in CANDIDATES.values()
         if c.layers <= subject.layers
     }
-    return Row(name, subject.layers, factor, look(subject, settled)[0], found)
+    return ErrorSample(name, subject.layers, factor, look(subject, settled)[0], found)
 
 
-def rmse(visibility: NDArray[Any], truth: Truth, depth: NDArray[Any]) -> float:
+def foreground_rmse(visibility: NDArray[Any], truth: Truth, depth: NDArray[Any]) -> float:
     """Where both rays and the rasteriser see a surface, without the noise of the rays. 0 where there is none."""
     seen = (depth > 0) & truth.covered
     if not seen.any():
@@ -90,7 +91,7 @@ def rmse(visibility: NDArray[Any], truth: Truth, depth: NDArray[Any]) -> float:
     return float(max(square - truth.noise**2, 0.0) ** 0.5)
 
 
-def fit(rows: Sequence[Row], name: str) -> NDArray[np.float64]:
+def fit_weights(rows: Sequence[ErrorSample], name: str) -> NDArray[np.float64]:
     """Weights of the signs for a candidate."""
     from scipy.optimize import nnls
 
@@ -99,28 +100,28 @@ def fit(rows: Sequence[Row], name: str) -> NDArray[np.float64]:
     return weights
 
 
-def off(rows: Sequence[Row], name: str) -> NDArray[np.float64]:
+def off(rows: Sequence[ErrorSample], name: str) -> NDArray[np.float64]:
     """How far off, relatively, the predictions of each scene are when it takes no part in the fit."""
     misses = []
     for scene in dict.fromkeys(row.scene for row in rows):
-        weights = fit([row for row in rows if row.scene != scene], name)
+        weights = fit_weights([row for row in rows if row.scene != scene], name)
         left = [row for row in rows if row.scene == scene]
         misses += list(np.array([row.rmse[name] for row in left]) / np.maximum(_values(left) @ weights, 1e-4) - 1)
     return np.abs(misses)
 
 
-def _values(rows: Sequence[Row]) -> NDArray[np.float64]:
+def _values(rows: Sequence[ErrorSample]) -> NDArray[np.float64]:
     return np.array([[getattr(row.signs, sign) for sign in SIGNS[row.layers]] for row in rows])
 
 
-def table(rows: Sequence[Row]) -> dict[str, Any]:
+def error_table(rows: Sequence[ErrorSample]) -> dict[str, Any]:
     """The content of ``errors.json``."""
     made: dict[str, Any] = {}
     for layers, signs in SIGNS.items():
         some = [row for row in rows if row.layers == layers]
         made[str(layers)] = {
             name: {
-                "weights": dict(zip(signs, (round(float(w), 4) for w in fit(some, name)), strict=True)),
+                "weights": dict(zip(signs, (round(float(w), 4) for w in fit_weights(some, name)), strict=True)),
                 "mean_rmse": round(float(np.mean([row.rmse[name] for row in some if row.radius_factor == 1])), 4),
             }
             for name in some[0].rmse
@@ -139,9 +140,9 @@ def main() -> None:
     sizes = [tuple(map(int, text.split("x"))) for text in given.size]
     kept = json.loads(given.rows.read_text()) if given.rows and given.rows.exists() else {}
     with Renderer(keep=2 * len(CANDIDATES)) as renderer:
-        for scene, camera in views(given.scenes):
+        for scene, camera in file_views(given.scenes):
             for w, h in sizes:
-                for factor in RADII if (w, h) == sizes[0] else (1.0,):
+                for factor in RADIUS_FACTORS if (w, h) == sizes[0] else (1.0,):
                     label = f"{scene.name}:{camera.name} {w}x{h} radius x{factor:g}"
                     if label not in kept:
                         rows = measured(renderer, scene, camera, (w, h), factor)
@@ -149,11 +150,11 @@ def main() -> None:
                         sys.stdout.write(label + "\n")
                         sys.stdout.flush()
                         if given.rows:
-                            with written(given.rows) as temporary:
+                            with atomic_write(given.rows) as temporary:
                                 temporary.write_text(json.dumps(kept))
-    every = [Row(**{**row, "signs": Signs(**row["signs"])}) for rows in kept.values() for row in rows]
-    with written(given.output) as temporary:
-        temporary.write_text(json.dumps(table(every), indent=1) + "\n")
+    every = [ErrorSample(**{**row, "signs": ViewFeatures(**row["signs"])}) for rows in kept.values() for row in rows]
+    with atomic_write(given.output) as temporary:
+        temporary.write_text(json.dumps(error_table(every), indent=1) + "\n")
     for layers in SIGNS:
         some = [row for row in every if row.layers == layers]
         for name in some[0].rmse:

@@ -9,24 +9,25 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from ..camera import Camera
 from ..errors import SettingsError
-from ..inputs import check_size
-from ..passes.blur import Joint
-from ..pipeline import EYE_DEPTH, Settings
-from ..scene import Scene
-from ..truth.cache import default_folder
-from ..view import Size
+from ..io.cache import default_folder
+from ..passes.denoise import Joint
+from ..pipeline.build import EYE_DEPTH
+from ..pipeline.settings import Settings
+from ..render.arrays import check_size
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size
 from .calibration import calibrated, clock
 from .candidates import CANDIDATES, PROBES, Candidate, chosen_from, differing
 from .choice import Choice, Prediction, Target, choose, times
-from .cost import Framed, Measured, Rates
-from .errors import predicted
-from .signs import Signs, signs
-from .subject import Subject, of_arrays, of_scene
+from .cost_model import Measured, PlannedFrame, Rates
+from .error_model import predicted
+from .features import ViewFeatures, view_features
+from .target_view import PlanTarget, of_arrays, of_scene
 
 if TYPE_CHECKING:
-    from ..renderer import Renderer
+    from ..render.renderer import Renderer
 
 SMALLER = 4
 """How many times as wide as the pictures that signs are taken from the picture is."""
@@ -94,7 +95,7 @@ def _template(settings: Settings | None) -> Settings:
 
 
 def _planned(
-    renderer: Renderer, subject: Subject, target: Target, given: Settings, aovs: Sequence[str], cache: Path | None
+    renderer: Renderer, subject: PlanTarget, target: Target, given: Settings, aovs: Sequence[str], cache: Path | None
 ) -> Choice:
     rates = calibrated(renderer, cache or default_folder())
     by, default = clock(renderer.ctx), Settings().method.name
@@ -104,9 +105,9 @@ def _planned(
     def settled(candidate: Candidate) -> Settings:
         return dataclasses.replace(given, method=candidate.made(subject.radius))
 
-    def framed(candidate: Candidate) -> tuple[Framed, Rates]:
+    def framed(candidate: Candidate) -> tuple[PlannedFrame, Rates]:
         family = CANDIDATES[candidate.name][0]
-        return Framed(*subject.plan(settled(candidate)), candidate.method, family.taps(candidate)), rates[family.name]
+        return PlannedFrame(*subject.plan(settled(candidate)), candidate.method, family.taps(candidate)), rates[family.name]
 
     def timed(candidate: Candidate) -> Measured:
         frame, of_it = framed(candidate)
@@ -126,7 +127,7 @@ def _planned(
     return Choice(settled(CANDIDATES[found.name][1]), target, found, considered, by)
 
 
-def look(subject: Subject, settled: Callable[[Candidate], Settings]) -> tuple[Signs, float]:
+def look(subject: PlanTarget, settled: Callable[[Candidate], Settings]) -> tuple[ViewFeatures, float]:
     """What small pictures of a view show, and the share of it that is not background."""
     looks = [FINE, COARSE, *([DEEP] if subject.layers > 1 else [])]
     wanted = ("visibility", "depth", "normal")
@@ -134,4 +135,6 @@ def look(subject: Subject, settled: Callable[[Candidate], Settings]) -> tuple[Si
     depth, normals = drawn[0].depth, drawn[0].normal
     fine, coarse, *deep = (picture.visibility for picture in drawn)
     view = subject.camera.view((depth.shape[1], depth.shape[0]))
-    return signs(fine, coarse, deep[0] if deep else None, depth, normals, view, subject.radius), float((depth > 0).mean())
+    return view_features(fine, coarse, deep[0] if deep else None, depth, normals, view, subject.radius), float(
+        (depth > 0).mean()
+    )

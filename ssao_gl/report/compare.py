@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .points import MEDIAN
+from ..experiment.points import MEDIAN
 
 F64 = NDArray[np.float64]
 DRAWS, COVERED, SEED = 10_000, 95.0, 0

@@ -23,7 +23,7 @@ ANGLES = np.radians((0, 180, 90, 270, 45, 315, 135, 225, 20, 340, 160, 200, 70, 
 RINGS, CROWD = 8, 60.0
 
 
-def spread(points: ArrayLike, sizes: ArrayLike, frame: Sequence[float], lines: Sequence[ArrayLike] = ()) -> F64:
+def place_labels(points: ArrayLike, sizes: ArrayLike, frame: Sequence[float], lines: Sequence[ArrayLike] = ()) -> F64:
     """Lower left corners (n, 2) of names of ``sizes`` (n, 2) beside ``points`` (n, 2), inside ``frame`` (x0, y0, x1, y1).
 
     Greedy: points that have others near choose first; each takes the nearest place that covers no mark, no name and none

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .machine import facts
+from .facts import facts
 from .plots import Plot
 from .tables import Table, tables, text
 

@@ -10,10 +10,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from .machine import facts
-from .pictures import SCALE, SPAN
+from ..experiment.pictures import SCALE, SPAN
+from ..experiment.sweep import folder_name, images_of
+from .facts import facts
 from .plots import INK, Plot
-from .sweep import folder_name, images_of
 from .tables import Table, tables, text
 
 FOLDED = 40

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import SettingsError
-from .labels import spread
-from .points import MEDIAN, Point, marked, place
+from ..experiment.points import MEDIAN, PlotPoint, marked, time_and_error
+from .labels import place_labels
 
 INK = "#454647"
 """Colour of text and axes in the files; the page puts its own text colour there."""
@@ -90,7 +90,7 @@ def _drawn(name: str, title: str, draw: Callable[[Any], None], size: tuple[float
 
 
 def _front(
-    at: Mapping[str, Any], points: Sequence[Point], *, clock: str = "wall", held_out: bool = False
+    at: Mapping[str, Any], points: Sequence[PlotPoint], *, clock: str = "wall", held_out: bool = False
 ) -> Callable[[Any], None]:
     some = marked(points, len(at["held_out" if held_out else "views"]), clock)
     yard = at["yardstick_ms" if clock == "wall" else "yardstick_cpu_ms"]
@@ -102,20 +102,20 @@ def _front(
         style = styles(list(dict.fromkeys(p["method"] for p in at["shipped"])))
         for name in dict.fromkeys(p["method"] for p in some):
             color, marker = style[name]
-            line = sorted(place(p, clock) for p in some if p["method"] == name)
+            line = sorted(time_and_error(p, clock) for p in some if p["method"] == name)
             axes.plot(*zip(*line, strict=True), marker=marker, color=color, label=name, lw=1.2, ms=6, alpha=0.9)
-        best = sorted(place(p, clock) for p in some if p["front"])
+        best = sorted(time_and_error(p, clock) for p in some if p["front"])
         if best:
             axes.step(*zip(*best, strict=True), where="post", color=INK, lw=5, alpha=0.18, label="Pareto front", zorder=1)
         for still, dashes in zip(at["constants"], (":", "--"), strict=False):
             error = still["errors"]["rmse"]
             axes.axhline(error, color=INK, lw=1, ls=dashes, label=f"{still['label']}: {error:.3f}")
-        _ranges(axes, yard, [place(p, clock) for p in some])
+        _ranges(axes, yard, [time_and_error(p, clock) for p in some])
         kind = "CPU milliseconds" if clock == "cpu" else "milliseconds"
         axes.set_xlabel(f"{kind} after the G-buffer (log scale; upper axis: multiples of the lecture's 4-tap pass)")
         axes.set_ylabel(f"RMSE against rays (mean over {over})")
         figure.legend(loc="outside right upper", frameon=False, fontsize=9)
-        _name(figure, axes, some, [place(p, clock) for p in some], style)
+        _name(figure, axes, some, [time_and_error(p, clock) for p in some], style)
 
     return draw
 
@@ -140,7 +140,11 @@ def _ranges(axes: Any, yard: float | None, places: Sequence[tuple[float, float]]
 
 
 def _name(
-    figure: Any, axes: Any, points: Sequence[Point], places: Sequence[tuple[float, float]], style: Mapping[str, tuple[str, str]]
+    figure: Any,
+    axes: Any,
+    points: Sequence[PlotPoint],
+    places: Sequence[tuple[float, float]],
+    style: Mapping[str, tuple[str, str]],
 ) -> None:
     """Each point's name beside it, where nothing else is, joined to it by a line where that is far; the front in bold."""
     figure.draw_without_rendering()  # settles where the axes are
@@ -155,7 +159,7 @@ def _name(
     ]  # fmt: skip
     sizes = np.array([(box.width, box.height) for box in (text.get_window_extent(renderer) for text in texts)])
     marks, frame = axes.transData.transform(places), axes.get_window_extent(renderer)
-    corners = spread(marks, sizes, (frame.x0, frame.y0, frame.x1, frame.y1), lines)
+    corners = place_labels(marks, sizes, (frame.x0, frame.y0, frame.x1, frame.y1), lines)
     nearest = np.clip(marks, corners, corners + sizes)
     for text, mark, corner, near in zip(texts, marks, corners, nearest, strict=True):
         text.set_position(to_data(corner))
@@ -213,7 +217,7 @@ def _split(found: Mapping[str, Any]) -> Callable[[Any], None]:
 
 
 def _scaling(found: Mapping[str, Any]) -> Callable[[Any], None]:
-    from .scaling import AXES, exponents, series
+    from ..experiment.scaling import AXES, exponents, series
 
     rows = found["rows"]["scaling"]
     slopes = {(row[0], row[1]): row[7] for row in exponents(rows)}

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from . import pareto
-from .numbers import mean
-from .points import MEDIAN, Point, place, size_text
+from ..experiment import pareto
+from ..experiment.points import MEDIAN, PlotPoint, size_text, time_and_error
+from ..experiment.statistics import mean
 
 Cell = str | float | None
 
@@ -99,9 +99,9 @@ def _costs(point: Mapping[str, Any]) -> list[Cell]:
     return [point["wall"]["total"], point["cpu"]["total"], point["ratio"], point["cpu_ratio"]]
 
 
-def _by_method(at: Mapping[str, Any]) -> dict[str, list[Point]]:
+def _by_method(at: Mapping[str, Any]) -> dict[str, list[PlotPoint]]:
     """Points that took part in every view, by method."""
-    found: dict[str, list[Point]] = {}
+    found: dict[str, list[PlotPoint]] = {}
     for point in at["shipped"]:
         if point["views"] == len(at["views"]):
             found.setdefault(point["method"], []).append(point)
@@ -111,14 +111,17 @@ def _by_method(at: Mapping[str, Any]) -> dict[str, list[Point]]:
 def _equal_time(found: Mapping[str, Any], at: Mapping[str, Any]) -> Table:
     yard = at["yardstick_ms"]
     budgets = [(factor, factor * yard) for factor in found["budgets"]] if yard else []
-    rows = [[name, *(pareto.at_time(map(place, p), ms) for _, ms in budgets)] for name, p in _by_method(at).items()]
+    rows = [[name, *(pareto.at_time(map(time_and_error, p), ms) for _, ms in budgets)] for name, p in _by_method(at).items()]
     columns = [Column(f"≤ {factor:g}× ({ms:.0f} ms)", ".4f") for factor, ms in budgets]
     note = "Smallest mean RMSE of any preset within a time after the G-buffer, given as a multiple of the yardstick."
     return Table(f"Error at equal time, {at['size']}", note, (Column("method"), *columns), rows if budgets else [])
 
 
 def _equal_error(found: Mapping[str, Any], at: Mapping[str, Any]) -> Table:
-    rows = [[name, *(pareto.at_error(map(place, p), limit) for limit in found["limits"])] for name, p in _by_method(at).items()]
+    rows = [
+        [name, *(pareto.at_error(map(time_and_error, p), limit) for limit in found["limits"])]
+        for name, p in _by_method(at).items()
+    ]
     columns = [Column(f"RMSE ≤ {limit:g}", ".1f") for limit in found["limits"]]
     note = "Milliseconds after the G-buffer of the fastest preset that is at least this good."
     return Table(f"Time at equal error, {at['size']}", note, (Column("method"), *columns), rows)
@@ -188,7 +191,7 @@ def _split(found: Mapping[str, Any]) -> Table:
 
 
 def _scaling(found: Mapping[str, Any]) -> Table:
-    from .scaling import exponents
+    from ..experiment.scaling import exponents
 
     columns = (
         Column("method"), Column("against"), Column("from"), Column("to"), Column("ms at first", ".1f"), Column("ms at last", ".1f"),

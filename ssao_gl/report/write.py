@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..files import written
-from .numbers import plain
+from ..io.atomic import atomic_write
+from ..io.json_values import to_json
 from .plots import plots
 from .tables import KEYS
 
@@ -22,12 +22,12 @@ def write(found: Mapping[str, Any], folder: Path) -> list[Path]:
     from .markdown import markdown
     from .page import page
 
-    _text(folder / RESULTS, json.dumps(plain(found), indent=1, allow_nan=False) + "\n")
+    _text(folder / RESULTS, json.dumps(to_json(found), indent=1, allow_nan=False) + "\n")
     _text(folder / TABLE, rows_as_csv(found))
     drawn = plots(found)
     for plot in drawn:
         _text(folder / f"{plot.name}.svg", plot.svg)
-        with written(folder / f"{plot.name}.png") as temporary:
+        with atomic_write(folder / f"{plot.name}.png") as temporary:
             temporary.write_bytes(plot.png)
     _text(folder / TEXT, markdown(found, drawn))
     _text(folder / PAGE, page(found, drawn, folder))
@@ -73,5 +73,5 @@ def rows_as_csv(found: Mapping[str, Any]) -> str:
 
 
 def _text(path: Path, text: str) -> None:
-    with written(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_text(text, "utf-8")

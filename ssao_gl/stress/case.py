@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING
 
+from .outcomes import STEP
+
 if TYPE_CHECKING:
-    from .lab import Lab
-
-STEP = 1 / 255 + 1e-6
-"""One step of 8-bit visibility."""
-
-
-class NotApplicable(Exception):
-    """A case has nothing to measure here; the text says why."""
+    from .runner import CaseRunner
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +22,7 @@ class Case:
     unit: str
     """What ``measure`` returns, in words."""
     bound: float
-    measure: Callable[[Lab], float]
+    measure: Callable[[CaseRunner], float]
     """Draws what it needs and returns by how much the promise is missed. Raises NotApplicable."""
     contract: str = ""
     """Name under which a method declares that its published definition breaks the promise, with a bound of its own."""
@@ -56,10 +50,10 @@ def case(
     traps: tuple[int, ...] = (),
     why: str = "",
     once: bool = False,
-) -> Callable[[Callable[[Lab], float]], Callable[[Lab], float]]:
+) -> Callable[[Callable[[CaseRunner], float]], Callable[[CaseRunner], float]]:
     """Decorator that makes a function a case; its docstring is the promise. Names are unique."""
 
-    def register(measure: Callable[[Lab], float]) -> Callable[[Lab], float]:
+    def register(measure: Callable[[CaseRunner], float]) -> Callable[[CaseRunner], float]:
         if name in _CASES:
             raise ValueError(f"two cases are called '{name}'")
         promise = " ".join((measure.__doc__ or "").split()).rstrip(".")
@@ -67,12 +61,3 @@ def case(
         return measure
 
     return register
-
-
-@cache
-def cases() -> Mapping[str, Case]:
-    """Every named case, in the order of the table."""
-    from . import cases as files
-
-    order = [f"{files.__name__}.{name}" for name in files.__all__]
-    return dict(sorted(_CASES.items(), key=lambda item: order.index(item[1].measure.__module__)))

@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera
+from ..scene.camera import Camera
+from ..scene.projection import Size
 from ..settings import limits
-from ..view import Size
+from .analytic_depth import cast, room, window_depth
 from .case import Case
-from .fields import cast, room, window_depth
-from .lab import Lab
+from .runner import CaseRunner
 from .shot import Shot
-from .subject import Subject
+from .specimen import Specimen
 
 BLOCK = 16
 """Cases that follow each other on the same programs and textures."""
@@ -33,7 +33,7 @@ HOSTILE = (np.nan, np.inf, -np.inf, 0.0, -0.0, -1.0, 1e-45, 1e-40, -1e-40, 1.2e-
 def random_case(seed: int, number: int) -> Case:
     """The case of that number; measuring it draws one shot, and returns 0 when it keeps what every picture promises."""
 
-    def measure(lab: Lab) -> float:
+    def measure(lab: CaseRunner) -> float:
         lab.see(random_shot(seed, number, lab.subject))
         return 0.0
 
@@ -41,13 +41,13 @@ def random_case(seed: int, number: int) -> Case:
     return Case(f"{PREFIX}{number}", "random", promise, "0", 0.0, measure, asks=("orthographic", "infinite far"))
 
 
-def planned(seed: int, numbers: range, subjects: list[Subject]) -> Iterator[tuple[Case, Subject]]:
+def planned(seed: int, numbers: range, subjects: list[Specimen]) -> Iterator[tuple[Case, Specimen]]:
     """Random cases, by blocks over the subjects in turn."""
     for number in numbers:
         yield random_case(seed, number), subjects[number // BLOCK % len(subjects)]
 
 
-def random_shot(seed: int, number: int, subject: Subject) -> Shot:
+def random_shot(seed: int, number: int, subject: Specimen) -> Shot:
     """What the case of that number draws."""
     shared, own = np.random.default_rng([seed, 0, number // BLOCK]), np.random.default_rng([seed, 1, number])
     size = SIZES[shared.integers(len(SIZES))]
@@ -128,7 +128,7 @@ def random_normals(random: np.random.Generator, size: Size) -> NDArray[np.float3
         return n.astype(np.float32)
 
 
-def random_changes(random: np.random.Generator, subject: Subject) -> dict[str, Any]:
+def random_changes(random: np.random.Generator, subject: Specimen) -> dict[str, Any]:
     """Settings of the method that are real numbers, some of them at the ends of their ranges; they compile nothing anew."""
     changes: dict[str, Any] = {}
     for field in dataclasses.fields(subject.method):  # type: ignore[arg-type]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera
+from ..scene.camera import Camera
 from .shot import Shot
 
 TRIES = 300

@@ -17,21 +17,22 @@ from typing import Any
 
 import numpy as np
 
-from .. import images
-from ..camera import Camera
 from ..errors import FormatError, SsaoError
-from ..files import make_folder, unreadable, written
-from ..methods import method
-from ..renderer import Renderer
+from ..io import images
+from ..io.atomic import atomic_write, make_folder, why_unreadable
+from ..methods.registry import method
+from ..render.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.projection import Size
 from ..settings import as_table, assign
-from ..view import Size
-from .battery import Failure, Row, judged
-from .case import Case, cases
+from .case import Case
+from .catalogue import cases
 from .fuzz import PREFIX
-from .lab import Broken, Lab
 from .reduce import smaller
+from .runner import Broken, CaseRunner
 from .shot import Shot
-from .subject import Subject
+from .specimen import Specimen
+from .verdicts import CaseResult, Failure, judged
 
 CASE = "case.json"
 
@@ -48,7 +49,7 @@ class Recorder:
     seed: int
     kinds: Counter[tuple[str, str]] = field(default_factory=Counter)
 
-    def __call__(self, failure: Failure) -> Row:
+    def __call__(self, failure: Failure) -> CaseResult:
         """Write a failure down; the row with its folder and the command that replays it. Raises FormatError."""
         row = failure.row
         kind = row.method, re.sub(r"\d+", "", row.reason)
@@ -67,7 +68,7 @@ class Recorder:
             "original": self._by_name(failure),
             "shots": [_write_shot(place, number, one) for number, one in enumerate(drawn, 1)],
         }
-        with written(place / CASE) as temporary:
+        with atomic_write(place / CASE) as temporary:
             temporary.write_text(json.dumps(content, indent=1) + "\n", "utf-8")
         command = (
             self._by_name(failure)
@@ -85,7 +86,7 @@ class Recorder:
 
     def _reduced(self, failure: Failure) -> Shot | None:
         """The smallest depth image that breaks a promise; None where it takes the whole case to show the failure."""
-        lab = Lab(self.renderer, failure.subject)
+        lab = CaseRunner(self.renderer, failure.subject)
 
         def fails(shot: Shot) -> bool:
             try:
@@ -118,7 +119,7 @@ def _write_shot(place: Path, number: int, shot: Shot) -> dict[str, Any]:
     arrays = {"depth": shot.depth, "normals": shot.normals}
     files = {name: f"{number}-{name}.npy" for name, array in arrays.items() if array is not None}
     for name, file in files.items():
-        images.save(place / file, np.asarray(arrays[name]))
+        images.save_image(place / file, np.asarray(arrays[name]))
     size = shot.size or (1, 1)
     return {
         **files,
@@ -141,12 +142,12 @@ def _projection(camera: Camera, size: Size) -> list[list[float]] | None:
         return None
 
 
-def replayed(renderer: Renderer, folder: Path) -> Row:
+def replayed(renderer: Renderer, folder: Path) -> CaseResult:
     """Draw a written failure again, and judge it. Raises FormatError for a folder that holds none."""
     content = _read(folder)
     try:
         record = assign(method(content["method"]), content["settings"])
-        subject = Subject(content["method"], content["preset"], record, content.get("precision", "high"))
+        subject = Specimen(content["method"], content["preset"], record, content.get("precision", "high"))
         if content["whole"]:
             case = cases()[content["case"]]
         else:
@@ -154,11 +155,11 @@ def replayed(renderer: Renderer, folder: Path) -> Row:
             case = _as_case(content["case"], shot)
     except (KeyError, TypeError, IndexError, AttributeError, ValueError) as error:
         raise FormatError(f"{folder / CASE}: not what ssao-gl stress writes ({type(error).__name__}: {error})") from None
-    return judged(case, Lab(renderer, subject))[0]
+    return judged(case, CaseRunner(renderer, subject))[0]
 
 
 def _as_case(name: str, shot: Shot) -> Case:
-    def measure(lab: Lab) -> float:
+    def measure(lab: CaseRunner) -> float:
         lab.see(shot)
         return 0.0
 
@@ -167,7 +168,7 @@ def _as_case(name: str, shot: Shot) -> Case:
 
 def _read(folder: Path) -> dict[str, Any]:
     path = folder / CASE
-    if reason := unreadable(path):
+    if reason := why_unreadable(path):
         raise FormatError(f"{path}: {reason}; expected a folder that ssao-gl stress wrote for a failure")
     try:
         content = json.loads(path.read_text("utf-8"))
@@ -179,7 +180,9 @@ def _read(folder: Path) -> dict[str, Any]:
 
 
 def _read_shot(folder: Path, entry: dict[str, Any]) -> Shot:
-    arrays: dict[str, Any] = {name: images.load(folder / str(entry[name])) for name in ("depth", "normals") if name in entry}
+    arrays: dict[str, Any] = {
+        name: images.load_image(folder / str(entry[name])) for name in ("depth", "normals") if name in entry
+    }
     return Shot(
         Camera.from_matrix(entry["projection"]),
         **arrays,

@@ -13,23 +13,23 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from ..files import written
-from .battery import ABSENT, DECLARED, FAIL, PASS, Row
+from ..io.atomic import atomic_write
 from .fuzz import PREFIX
+from .verdicts import ABSENT, DECLARED, FAIL, PASS, CaseResult
 
 SUFFIXES = (".html", ".json")
 VERDICTS = (PASS, DECLARED, ABSENT, FAIL)
 
 
 @dataclass
-class Results:
+class StressResults:
     """Rows of named cases, failing rows of random ones, and how many random ones there were."""
 
-    rows: list[Row] = field(default_factory=list)
+    rows: list[CaseResult] = field(default_factory=list)
     random: collections.Counter[tuple[str, str, str, str]] = field(default_factory=collections.Counter)
     """(provider, method, preset, verdict) -> random cases."""
 
-    def add(self, row: Row) -> None:
+    def add(self, row: CaseResult) -> None:
         """Count a row; of random cases that pass only the number is kept."""
         if row.case.startswith(PREFIX):
             self.random[row.provider, row.method, row.preset, row.verdict] += 1
@@ -37,11 +37,11 @@ class Results:
             self.rows.append(row)
 
     @property
-    def failed(self) -> list[Row]:
+    def failed(self) -> list[CaseResult]:
         return [row for row in self.rows if row.verdict == FAIL]
 
     @property
-    def named(self) -> list[Row]:
+    def named(self) -> list[CaseResult]:
         return [row for row in self.rows if not row.case.startswith(PREFIX)]
 
     def tallies(self, provider: str) -> list[tuple[str, str, str, int]]:
@@ -56,14 +56,16 @@ class Results:
         return {verdict: found[verdict] for verdict in VERDICTS}
 
 
-def save(path: Path, results: Results, facts: Mapping[str, Any]) -> None:
+def save_stress_report(path: Path, results: StressResults, facts: Mapping[str, Any]) -> None:
     """Write the results by suffix, whole or not at all. Raises FormatError."""
-    text = page(results, facts) if path.suffix.lower() == ".html" else json.dumps(as_data(results, facts), indent=1) + "\n"
-    with written(path) as temporary:
+    text = (
+        stress_page(results, facts) if path.suffix.lower() == ".html" else json.dumps(as_data(results, facts), indent=1) + "\n"
+    )
+    with atomic_write(path) as temporary:
         temporary.write_text(text, "utf-8")
 
 
-def as_data(results: Results, facts: Mapping[str, Any]) -> dict[str, Any]:
+def as_data(results: StressResults, facts: Mapping[str, Any]) -> dict[str, Any]:
     """Plain values for JSON; infinite bounds are null."""
     rows = [{key: _plain(value) for key, value in dataclasses.asdict(row).items()} for row in results.rows]
     random = [
@@ -77,7 +79,7 @@ def _plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def cell(row: Row) -> str:
+def cell(row: CaseResult) -> str:
     """A row in few characters: what was measured, and the declared bound beside it."""
     measured = "" if row.measured is None else f"{max(row.measured, 0):.2g}"
     if row.verdict == DECLARED:
@@ -85,7 +87,7 @@ def cell(row: Row) -> str:
     return {PASS: measured, ABSENT: "n/a", FAIL: f"FAIL {measured}".strip()}[row.verdict]
 
 
-def matrix(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
+def matrix(rows: Sequence[CaseResult]) -> tuple[list[str], list[list[str]]]:
     """(columns, lines) of one provider's rows: cases down, methods with their presets across."""
     labels = list(dict.fromkeys(_label(row) for row in rows))
     lines: dict[str, dict[str, str]] = {}
@@ -94,11 +96,11 @@ def matrix(rows: Sequence[Row]) -> tuple[list[str], list[list[str]]]:
     return ["case", *labels], [[case, *(found.get(label, "") for label in labels)] for case, found in lines.items()]
 
 
-def _label(row: Row) -> str:
+def _label(row: CaseResult) -> str:
     return row.method if row.preset == "default" else f"{row.method}:{row.preset}"
 
 
-def page(results: Results, facts: Mapping[str, Any]) -> str:
+def stress_page(results: StressResults, facts: Mapping[str, Any]) -> str:
     """All of it as HTML."""
     css = files("ssao_gl.report").joinpath("web", "page.css").read_text("utf-8")
     title = "Numerical stability of ambient occlusion"
@@ -126,11 +128,11 @@ def page(results: Results, facts: Mapping[str, Any]) -> str:
     return f'<!doctype html><html lang="en">{charset}<title>{title}</title><style>{css}</style>{body}</html>\n'
 
 
-def _failure(row: Row) -> tuple[Any, ...]:
+def _failure(row: CaseResult) -> tuple[Any, ...]:
     return row.case, _label(row), row.provider, row.reason, row.measured, row.bound, row.command
 
 
-def _named(row: Row) -> tuple[Any, ...]:
+def _named(row: CaseResult) -> tuple[Any, ...]:
     declared = "refuses" if row.declared == math.inf else row.declared
     return row.case, row.method, row.preset, row.provider, row.verdict, row.measured, row.unit, row.bound, declared, row.reason
 

@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..camera import Camera
-from ..scene import Draw, Scene
+from ..scene.camera import Camera
+from ..scene.model import Mesh, Scene
 
 QUAD = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 
@@ -18,10 +18,10 @@ def lens(zfar: float | None = 40.0, scale: float = 1.0, pose: NDArray[np.float64
     return Camera.perspective(0.9, 0.1 * scale, None if zfar is None else zfar * scale, pose)
 
 
-def quad(center: ArrayLike, u: ArrayLike, v: ArrayLike) -> Draw:
+def quad(center: ArrayLike, u: ArrayLike, v: ArrayLike) -> Mesh:
     """A parallelogram: center +- u +- v, flat shaded."""
     c, u_, v_ = (np.asarray(x, np.float64) for x in (center, u, v))
-    return Draw(np.stack([c - u_ - v_, c + u_ - v_, c + u_ + v_, c - u_ + v_]).astype(np.float32), QUAD)
+    return Mesh(np.stack([c - u_ - v_, c + u_ - v_, c + u_ + v_, c - u_ + v_]).astype(np.float32), QUAD)
 
 
 def plane(tilt: float = 0.0, away: float = 5.0) -> Scene:
@@ -38,7 +38,7 @@ def corner() -> Scene:
 
 def moved(scene: Scene, matrix: NDArray[np.float64]) -> Scene:
     """The scene, and its cameras, with every transform preceded by ``matrix`` (4, 4)."""
-    draws = [dataclasses.replace(d, transforms=matrix @ d.transforms) for d in scene.draws]
+    draws = [dataclasses.replace(d, transforms=matrix @ d.transforms) for d in scene.meshes]
     cameras = [dataclasses.replace(c, pose=matrix @ c.pose) for c in scene.cameras]
     return Scene(draws, cameras=cameras, up=scene.up, name=scene.name)
 
@@ -46,4 +46,4 @@ def moved(scene: Scene, matrix: NDArray[np.float64]) -> Scene:
 def scaled(scene: Scene, s: float) -> Scene:
     """The scene in other units: ``s`` times as large, without cameras."""
     made = moved(scene, np.diag([s, s, s, 1.0]))
-    return Scene(made.draws, up=scene.up, name=scene.name)
+    return Scene(made.meshes, up=scene.up, name=scene.name)

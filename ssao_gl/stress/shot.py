@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera
-from ..scene import Scene
-from ..view import Size
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size
 
 RADIUS = 0.8
 """Reach of occlusion in the little scenes of the cases, which are some 5 units away and as large."""
@@ -46,7 +46,7 @@ class Shot:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class Capture:
     """visibility: (h, w) float32. depth: (h, w) float32, linear, 0 = background. normal: (h, w, 3) float32."""
 
     visibility: NDArray[np.float32]

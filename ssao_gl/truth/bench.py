@@ -16,9 +16,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from ..adapters.camera_files import load_camera
-from ..scene import Scene
-from .directions import directions, points
+from ..loaders.camera_files import load_camera
+from ..loaders.load import load_scene
+from ..sampling.hemisphere import hemisphere_directions, sobol_points
 from .rays import DIAMETER, threads
 from .settings import Tracing
 from .sums import blocks
@@ -31,11 +31,11 @@ F32 = NDArray[np.float32]
 def bench(seen: Surface, tracing: Tracing, *, blocks_used: int = 16, rounds: int = 5) -> dict[int, tuple[float, float]]:
     """Million rays a second by number of threads: (bare embreex, tracer), medians. One batch of evenly spread blocks."""
     length = tracing.batches[0]
-    samples, radius = points(length, tracing.seed, 0), local_radius(seen.rays, tracing)
+    samples, radius = sobol_points(length, tracing.seed, 0), local_radius(seen.rays, tracing)
     every = list(enumerate(blocks(len(seen.origins))))
     chosen = [every[k] for k in np.unique(np.linspace(0, len(every) - 1, blocks_used).astype(int))]
     ready = [_rays(seen, at, samples, tracing.seed, index) for index, at in chosen]
-    count = sum(len(directions) for _, directions in ready)
+    count = sum(len(hemisphere_directions) for _, hemisphere_directions in ready)
     reach = min(radius, DIAMETER)
 
     def bare(part: tuple[F32, F32]) -> int:
@@ -62,7 +62,7 @@ def bench(seen: Surface, tracing: Tracing, *, blocks_used: int = 16, rounds: int
 
 def _rays(seen: Surface, at: slice, samples: NDArray[np.float64], seed: int, index: int) -> tuple[F32, F32]:
     """Origins and directions (n, 3) of one block and batch, as the tracer makes them, contiguous."""
-    made = [d.copy() for d in directions(seen.normals[at], samples, np.random.default_rng([seed, 0, index]))]
+    made = [d.copy() for d in hemisphere_directions(seen.normals[at], samples, np.random.default_rng([seed, 0, index]))]
     return np.tile(seen.origins[at], (len(samples), 1)), np.ascontiguousarray(np.concatenate(made))
 
 
@@ -80,7 +80,7 @@ def main() -> None:
     parser.add_argument("--size", nargs=2, type=int, default=(640, 360), metavar=("W", "H"))
     parser.add_argument("--spp", type=int, default=256)
     given = parser.parse_args()
-    scene, size = Scene.load(given.scene), (given.size[0], given.size[1])
+    scene, size = load_scene(given.scene), (given.size[0], given.size[1])
     camera = load_camera(given.camera) if given.camera else scene.default_camera(size)
     tracing = Tracing(radius=camera.ao_radius or scene.default_radius(), spp=given.spp)
     for workers, (bare, traced) in bench(surface(scene, camera, size), tracing).items():

@@ -16,10 +16,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..camera import Camera, Perspective, look_at
-from ..default_scene import cylinder, lathe, place, sphere
-from ..scene import Draw, Scene
-from ..view import Size
+from ..scene.camera import Camera, Perspective, look_at
+from ..scene.model import Mesh, Scene
+from ..scene.projection import Size
+from ..scene.sample_scene import cylinder, lathe, place, sphere
 
 F64 = NDArray[np.float64]
 
@@ -49,11 +49,11 @@ class ClosedForm:
 @cache
 def closed_forms() -> Mapping[str, ClosedForm]:
     """All of them by name."""
-    makers = (plane, wall, ball, raised_ball, disk, well, trench, bowl, post)
+    makers = (plane_scene, wall, ball_scene, raised_ball, disk, well, trench, bowl, post)
     return {form.name: form for form in (make() for make in makers)}
 
 
-def plane() -> ClosedForm:
+def plane_scene() -> ClosedForm:
     """An unbounded floor."""
     camera = _camera((0, 2, 3), (0, 0, 0))
     return ClosedForm("plane", "O = 0", Scene([_floor()]), camera, 1.0, lambda p: np.ones(len(p)), True)
@@ -74,7 +74,7 @@ def wall() -> ClosedForm:
     )
 
 
-def ball() -> ClosedForm:
+def ball_scene() -> ClosedForm:
     """A ball of radius 1 that lies on the floor."""
     return _ball("ball", 1.0, "O = r^3 / (s^2 + r^2)^(3/2), s = way from the point of contact")
 
@@ -89,7 +89,7 @@ def disk() -> ClosedForm:
     height = 1.2
     thin = lathe(np.array([[0.0, height], [1.0, height]]), np.array([[0.0, 1.0], [0.0, 1.0]]), SEGMENTS)
     formula = "O = 1/2 - (h^2 + s^2 - r^2) / (2 sqrt((h^2 + s^2 + r^2)^2 - 4 s^2 r^2)), s = way from the axis"
-    scene = Scene([_floor(), Draw(*thin, name="disk")])
+    scene = Scene([_floor(), Mesh(*thin, name="disk")])
     camera = _camera((0, 0.9, 3.2), (0, 0, 0.2))
     return ClosedForm("disk", formula, scene, camera, 10.0, _on_floor(lambda p: 1 - disk_factor(p, 1.0, height)), False)
 
@@ -101,7 +101,7 @@ def well() -> ClosedForm:
     inner = lathe(profile, np.array([[0.0, 1.0], [0.0, 1.0], [-1.0, 0.0], [-1.0, 0.0]]), SEGMENTS)
     formula = "A = 1/2 - (h^2 + s^2 - r^2) / (2 sqrt((h^2 + s^2 + r^2)^2 - 4 s^2 r^2)), s = way from the axis"
     camera = _camera((0.05, 4.5, 0.1), (0, 0, 0), up=(0, 0, -1))
-    scene = Scene([Draw(*inner, name="well")])
+    scene = Scene([Mesh(*inner, name="well")])
 
     def open_sky(points: F64) -> F64:
         inside = np.hypot(points[:, 0], points[:, 2]) < 1 - NEAR
@@ -131,7 +131,7 @@ def bowl() -> ClosedForm:
     segments = 2 * SEGMENTS  # here the tilt of the facets counts, which falls with the first power only
     turn = np.linspace(-np.pi / 2, 0, segments // 4 + 1)
     profile = np.stack([np.cos(turn), np.sin(turn)], 1)
-    scene = Scene([Draw(*lathe(profile, -profile, segments), name="bowl")])
+    scene = Scene([Mesh(*lathe(profile, -profile, segments), name="bowl")])
     camera = _camera((0.1, 3.2, 0.2), (0, -0.4, 0), up=(0, 0, -1))
     return ClosedForm("bowl", "O = 1/2", scene, camera, 10.0, lambda p: np.full(len(p), 0.5), True)
 
@@ -143,7 +143,7 @@ def post() -> ClosedForm:
     def visibility(points: F64) -> F64:
         return 1 - np.arcsin(np.minimum(radius / np.hypot(points[:, 0], points[:, 2]), 1)) / np.pi
 
-    shaft = Draw(*cylinder(SEGMENTS), transforms=place((radius, 30, radius), (0, 30, 0))[None], name="post")
+    shaft = Mesh(*cylinder(SEGMENTS), transforms=place((radius, 30, radius), (0, 30, 0))[None], name="post")
     camera = _camera((1.5, 2.2, 2.8), (0, 0, 0.6))
     formula = "O = asin(r / D) / pi, D = way from the axis"
     return ClosedForm("post", formula, Scene([_floor(), shaft]), camera, 60.0, _on_floor(visibility), False)
@@ -160,7 +160,7 @@ def _ball(name: str, height: float, formula: str) -> ClosedForm:
     def visibility(points: F64) -> F64:
         return 1 - height / (points[:, 0] ** 2 + points[:, 2] ** 2 + height**2) ** 1.5
 
-    round_ = Draw(*sphere(SEGMENTS), transforms=place((1, 1, 1), (0, height, 0))[None], name="ball")
+    round_ = Mesh(*sphere(SEGMENTS), transforms=place((1, 1, 1), (0, height, 0))[None], name="ball")
     camera = _camera((0, 1.6 * height, 6.5), (0, 0, 1))
     return ClosedForm(name, formula, Scene([_floor(), round_]), camera, 20.0, _on_floor(visibility), False)
 
@@ -170,15 +170,15 @@ def _on_floor(visibility: Callable[[F64], F64]) -> Callable[[F64], F64]:
     return lambda points: np.where(np.abs(points[:, 1]) < NEAR, visibility(points), np.nan)
 
 
-def _floor(center: tuple[float, float, float] = (0, 0, 0), x: tuple[float, float, float] = (50, 0, 0)) -> Draw:
+def _floor(center: tuple[float, float, float] = (0, 0, 0), x: tuple[float, float, float] = (50, 0, 0)) -> Mesh:
     return _quad(center, x, (0, 0, 50), "floor")
 
 
-def _quad(center: ArrayLike, right: ArrayLike, up: ArrayLike, name: str) -> Draw:
+def _quad(center: ArrayLike, right: ArrayLike, up: ArrayLike, name: str) -> Mesh:
     """A parallelogram about ``center``, from its middle to its sides by ``right`` and ``up``."""
     c, r, u = (np.asarray(v, np.float32) for v in (center, right, up))
     corners = np.stack([c - r - u, c + r - u, c + r + u, c - r + u])
-    return Draw(corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), name=name)
+    return Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), name=name)
 
 
 def _camera(eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0, 1, 0)) -> Camera:

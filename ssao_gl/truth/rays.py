@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError, SettingsError
-from ..scene import Draw, Scene
+from ..scene.model import Mesh, Scene
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -49,7 +49,7 @@ class RayScene:
         self.scene = scene
         _check_memory(scene)
         self.center, self.scale = _local(scene)
-        self._parts = [(draw, self._to_local(m)) for draw in scene.draws if len(draw.triangles) for m in draw.transforms]
+        self._parts = [(draw, self._to_local(m)) for draw in scene.meshes if len(draw.triangles) for m in draw.transforms]
         self._embree = embree.rtcore_scene.EmbreeScene(robust=True)  # no leaks along edges
         for draw, matrix in self._parts:
             embree.mesh_construction.TriangleMesh(self._embree, _placed(draw, matrix), draw.triangles.view(np.int32))
@@ -93,7 +93,7 @@ def _cofactors(m: F64) -> F64:
     return np.stack([np.cross(m[1], m[2]), np.cross(m[2], m[0]), np.cross(m[0], m[1])])
 
 
-def _placed(draw: Draw, matrix: F64) -> F32:
+def _placed(draw: Mesh, matrix: F64) -> F32:
     """Local positions (n, 3), contiguous."""
     out = np.empty(draw.positions.shape, np.float32)
     for start in range(0, len(out), CHUNK):

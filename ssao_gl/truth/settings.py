@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..falloff import Falloff
+from ..sampling.falloff import Falloff
 from ..settings import setting, validate
 
 NORMALS = ("geometric", "shading")

@@ -21,35 +21,38 @@ def blocks(count: int, length: int = BLOCK) -> Iterator[slice]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class PartialSums:
     """One block: batches done, and sum and sum of squares of their means (n,) float64."""
 
     batches: int
     total: F64
     squares: F64
 
-    def plus(self, means: F64) -> Part:
+    def plus(self, means: F64) -> PartialSums:
         """With one more batch."""
-        return Part(self.batches + 1, self.total + means, self.squares + means**2)
+        return PartialSums(self.batches + 1, self.total + means, self.squares + means**2)
 
 
 @dataclass(eq=False)
 class Sums:
     """All blocks. One is replaced by a whole new one in a single step, so an interrupt never finds half an update."""
 
-    parts: list[Part]
+    parts: list[PartialSums]
     seconds: float = 0.0
 
     @classmethod
     def empty(cls, count: int) -> Sums:
         """Nothing traced yet, for ``count`` pixels."""
-        return cls([Part(0, np.zeros(at.stop - at.start), np.zeros(at.stop - at.start)) for at in blocks(count)])
+        return cls([PartialSums(0, np.zeros(at.stop - at.start), np.zeros(at.stop - at.start)) for at in blocks(count)])
 
     @classmethod
     def restored(cls, saved: Mapping[str, Any]) -> Sums:
         """What :meth:`saved` gave."""
         places = blocks(len(saved["total"]))
-        parts = [Part(int(n), saved["total"][at], saved["squares"][at]) for n, at in zip(saved["batches"], places, strict=True)]
+        parts = [
+            PartialSums(int(n), saved["total"][at], saved["squares"][at])
+            for n, at in zip(saved["batches"], places, strict=True)
+        ]
         return cls(parts, float(saved["seconds"]))
 
     def saved(self) -> dict[str, Any]:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera
-from ..scene import Scene
-from ..view import Size, View
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size, ViewConstants
 from .rays import DIAMETER, F32, F64, OFFSET, RayScene, threads
 from .sums import blocks
 
@@ -52,7 +52,7 @@ class Surface:
 def surface(scene: Scene | RayScene, camera: Camera, size: Size) -> Surface:
     """Trace a primary ray through every pixel centre. ``size`` is (width, height). Raises SettingsError, SceneError.
 
-    Any projection that :class:`~ssao_gl.camera.View` takes; what lies before its near or behind its far plane is not seen.
+    Any projection that :class:`~ssao_gl.scene.projection.ViewConstants` takes; what lies before its near or behind its far plane is not seen.
     """
     rays = scene if isinstance(scene, RayScene) else RayScene(scene)
     view, count = camera.view(size), size[0] * size[1]
@@ -63,7 +63,7 @@ def surface(scene: Scene | RayScene, camera: Camera, size: Size) -> Surface:
     return Surface(rays, depth.reshape(size[1], size[0]), origins, normals, shading)
 
 
-def _pixel_rays(view: View, part: slice) -> tuple[F64, F64]:
+def _pixel_rays(view: ViewConstants, part: slice) -> tuple[F64, F64]:
     """View-space starts and directions (n, 3) of some pixels, counted from the top left: point = start + depth * direction."""
     index = np.arange(part.start, part.stop)
     w, h = view.size
@@ -75,7 +75,7 @@ def _pixel_rays(view: View, part: slice) -> tuple[F64, F64]:
     return np.concatenate([start, 0 * ones], 1), np.concatenate([direction, -ones], 1)
 
 
-def _hit(rays: RayScene, camera: Camera, view: View, part: slice, depth: F32) -> tuple[F32, F32, F32]:
+def _hit(rays: RayScene, camera: Camera, view: ViewConstants, part: slice, depth: F32) -> tuple[F32, F32, F32]:
     """Origins, normals and shading normals of the covered pixels among ``part``; their depth goes into ``depth[part]``."""
     start, direction = _pixel_rays(view, part)
     start = (start @ camera.pose[:3, :3].T + camera.pose[:3, 3] - rays.center) * rays.scale

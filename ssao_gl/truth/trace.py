@@ -14,17 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..camera import Camera
 from ..errors import SettingsError
-from ..falloff import Falloff, weight
-from ..inputs import check_size
-from ..picture import Picture
-from ..scene import Scene
-from ..view import Size
-from .cache import Store, content_key, store
-from .directions import directions, points
+from ..render.arrays import check_size
+from ..render.picture import Picture
+from ..sampling.falloff import Falloff, rho
+from ..sampling.hemisphere import hemisphere_directions, sobol_points
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size
 from .rays import DIAMETER, OFFSET, RayScene, threads
 from .settings import Tracing
+from .store import Store, content_key, store
 from .sums import BLOCK, Sums, blocks, rms
 from .surface import Surface, surface
 
@@ -37,7 +37,7 @@ LEAST_BATCHES = 4
 SAVE_SECONDS = 10.0
 """Between two saves of what is traced so far: a killed process loses no more than this."""
 
-Progress = Callable[[int, int], None]
+TraceProgress = Callable[[int, int], None]
 """Called with the rays traced and the rays there will be (an estimate with ``max_stderr``)."""
 
 
@@ -90,7 +90,7 @@ def trace(
     tracing: Tracing | None = None,
     *,
     cache: Path | None = None,
-    progress: Progress | None = None,
+    progress: TraceProgress | None = None,
 ) -> Truth:
     """Ambient occlusion, or obscurance, of what ``camera`` sees in ``scene``, by rays. ``size`` is (width, height).
 
@@ -112,12 +112,12 @@ def trace(
     return truth
 
 
-def gather(seen: Surface, tracing: Tracing, *, kept: Store | None = None, progress: Progress | None = None) -> Truth:
+def gather(seen: Surface, tracing: Tracing, *, kept: Store | None = None, progress: TraceProgress | None = None) -> Truth:
     """Visibility of a surface that is already there, with a radius that is given. See :func:`trace`.
 
     One surface serves many calls: other radii, falloffs, numbers of rays. ``kept`` is where what is traced so far goes.
     """
-    work = Work(seen, tracing, local_radius(seen.rays, tracing), kept, progress or (lambda done, total: None))
+    work = TraceWork(seen, tracing, local_radius(seen.rays, tracing), kept, progress or (lambda done, total: None))
     saved = kept.partial() if kept is not None else None
     fits = saved is not None and len(saved["total"]) == len(seen.origins)
     sums = Sums.restored(saved) if fits and saved is not None else Sums.empty(len(seen.origins))
@@ -142,18 +142,18 @@ def local_radius(rays: RayScene, tracing: Tracing) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class Work:
+class TraceWork:
     """What is to be traced, and whom to tell."""
 
     seen: Surface
     tracing: Tracing
     radius: float
     kept: Store | None
-    progress: Progress
+    progress: TraceProgress
 
     def run(self, sums: Sums, pool: ThreadPoolExecutor) -> None:
         """Add batches to ``sums`` until there are enough. What is traced so far is kept, whatever ends it."""
-        points(self.tracing.batches[0], self.tracing.seed, sums.batches)  # imports scipy: not on the clock
+        sobol_points(self.tracing.batches[0], self.tracing.seed, sums.batches)  # imports scipy: not on the clock
         before, started = sums.seconds, time.perf_counter()
         saved = started
         try:
@@ -186,7 +186,7 @@ class Work:
 
     def _batch(self, sums: Sums, batch: int, pool: ThreadPoolExecutor) -> Iterator[tuple[int, F64]]:
         """(block, means of one batch) for every block that lacks it, in order, traced a few ahead."""
-        samples = points(self.tracing.batches[0], self.tracing.seed, batch)
+        samples = sobol_points(self.tracing.batches[0], self.tracing.seed, batch)
         waiting: deque[tuple[int, Future[F64]]] = deque()
         try:
             for index, at in enumerate(blocks(len(self.seen.origins))):
@@ -216,10 +216,10 @@ def means(seen: Surface, at: slice, tracing: Tracing, radius: float, samples: F6
     origins = seen.origins[at]
     reach = np.float32(min(radius, DIAMETER))
     total = np.zeros(len(origins))
-    for direction in directions(normals, samples, random):
+    for direction in hemisphere_directions(normals, samples, random):
         if tracing.falloff == Falloff.HARD:
             total += seen.rays.occluded(origins, direction, float(reach))
         else:
             far = seen.rays.distances(origins, direction, float(reach))
-            total += np.where(far < reach, weight(tracing.falloff, far / np.float32(radius)), 0)
+            total += np.where(far < reach, rho(tracing.falloff, far / np.float32(radius)), 0)
     return 1 - total / len(samples)

@@ -10,10 +10,10 @@ import pytest
 import trimesh
 
 import ssao_gl as ao
-from ssao_gl.camera import Camera, look_at
-from ssao_gl.falloff import weight
 from ssao_gl.methods.bitmask import FALLOFFS
-from ssao_gl.scene import Draw, Scene
+from ssao_gl.sampling.falloff import rho
+from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.model import Mesh, Scene
 from ssao_gl.truth.closed_forms import closed_forms
 
 from ..shapes import camera, plane, quad
@@ -55,7 +55,7 @@ def corner_by_rays(distance: float, falloff: str) -> float:
     u, phi = np.meshgrid((np.arange(400) + 0.5) / 400, 2 * np.pi * (np.arange(800) + 0.5) / 800)
     toward = np.sqrt(u) * np.cos(phi)
     hit = np.where(toward > 0, distance / np.maximum(toward, 1e-9), np.inf)
-    return float(1 - weight(falloff, hit).mean())
+    return float(1 - rho(falloff, hit).mean())
 
 
 @pytest.mark.parametrize("falloff", FALLOFFS)
@@ -75,7 +75,7 @@ def test_falloffs_are_those_of_the_rays(any_renderer: ao.Renderer, falloff: str)
 def test_flat_and_gently_curved_surfaces_are_free_of_noise(any_renderer: ao.Renderer, preset: str) -> None:
     ball = trimesh.creation.uv_sphere(radius=30.0, count=[256, 256])
     ball.apply_translation((0, 0, -35))
-    scenes = [plane(0.9), Scene([Draw(ball.vertices.astype(np.float32), ball.faces.astype(np.uint32), None)])]
+    scenes = [plane(0.9), Scene([Mesh(ball.vertices.astype(np.float32), ball.faces.astype(np.uint32), None)])]
     for scene in scenes:
         picture = draw(any_renderer, scene, camera(100.0), (320, 180), preset, radius=1.0)
         seen = picture.visibility[picture.depth > 0]
@@ -96,7 +96,7 @@ def test_the_size_of_the_image_does_not_matter(any_renderer: ao.Renderer, embedd
 def test_no_halo_of_a_bar_far_before_a_wall(any_renderer: ao.Renderer, preset: str) -> None:
     """Farther than the radius, and wider than a pixel of every target."""
     bar = quad((0, 0, -3), (0.06, 0, 0), (0, 40, 0))
-    picture = draw(any_renderer, Scene([*plane().draws, bar]), camera(), (320, 180), preset, radius=1.0)
+    picture = draw(any_renderer, Scene([*plane().meshes, bar]), camera(), (320, 180), preset, radius=1.0)
     assert (np.abs(picture.depth - 3) < 1e-3).sum() > 180
     assert picture.visibility.min() >= 1 - STEP
 
@@ -114,7 +114,7 @@ def test_no_rim_at_the_sky(any_renderer: ao.Renderer, preset: str) -> None:
 
 def test_thin_parts_hide_no_more_than_they_are_thick(any_renderer: ao.Renderer) -> None:
     """Light comes in behind a bar before a wall, which a horizon, taking the bar for endlessly thick, shuts out."""
-    scene = Scene([*plane().draws, quad((0, 0, -4.2), (0.06, 0, 0), (0, 40, 0))])
+    scene = Scene([*plane().meshes, quad((0, 0, -4.2), (0.06, 0, 0), (0, 40, 0))])
     lost = {}
     for thickness in (0.1, 1000.0):
         picture = draw(any_renderer, scene, camera(), (640, 360), "high", radius=1.0, thickness=thickness, bridge=0.0)

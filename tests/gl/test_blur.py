@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.passes.blur import BLURS, gaussian, matched
-from ssao_gl.scene import Scene
+from ssao_gl.passes.denoise import FILTERS, gaussian, matched
+from ssao_gl.scene.model import Scene
 
 from ..shapes import camera, quad
 
@@ -52,13 +52,13 @@ def test_separable_is_close_to_the_full_filter(renderer: ao.Renderer, embedded: 
     assert np.abs(full - separable).mean() < 4 / 255
 
 
-@pytest.mark.parametrize("kind", BLURS)
+@pytest.mark.parametrize("kind", FILTERS)
 def test_background_never_mixes_in(renderer: ao.Renderer, kind: str) -> None:
     """A dark slot before open sky stays as dark at its rim as the raw values around it are."""
-    raw, filtered, depth = both(renderer, CROSS, camera(), BLURS[kind]())
+    raw, filtered, depth = both(renderer, CROSS, camera(), FILTERS[kind]())
     sky = depth == 0
     assert 0.2 < sky.mean() < 0.9 and (filtered[sky] == 1).all()
-    high, low = neighbourhood(raw, depth, BLURS[kind]().radius or 2)
+    high, low = neighbourhood(raw, depth, FILTERS[kind]().radius or 2)
     seen = ~sky
     assert (filtered[seen] <= high[seen] + 2.01 / 255).all() and (filtered[seen] >= low[seen] - 2.01 / 255).all()
 

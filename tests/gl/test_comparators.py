@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 import ssao_gl as ao
-from ssao_gl.camera import Camera
+from ssao_gl.scene.camera import Camera
 
 from ..shapes import camera, corner, plane
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.camera import Camera
-from ssao_gl.scene import Scene
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.model import Scene
 
 from ..shapes import camera, corner, moved, plane, scaled, spread, with_radius
 

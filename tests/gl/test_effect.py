@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.camera import Camera, Perspective
 from ssao_gl.gl.context import Context
-from ssao_gl.gl.frame import Stage
+from ssao_gl.gl.executor import Stage
+from ssao_gl.scene.camera import Camera, Perspective
 
 from ..conftest import openable
 from .guest import FRAMEBUFFER, TEXTURE_2D, I, P, U, alive, disturb, everything, framebuffer, generate
@@ -357,7 +357,7 @@ def test_odd_state_changes_nothing_and_is_not_changed(context: Context, given: t
 
 def neutral(ctx: Context) -> None:
     """What the tests' own reading and uploading needs after :func:`disturb`."""
-    from ssao_gl.gl.state import GlState
+    from ssao_gl.gl.guest_state import GlState
 
     state = GlState(ctx.functions, es=ctx.api == "es", version=ctx.mgl.version_code)
     state.neutral(state.snapshot())

@@ -23,9 +23,10 @@ import pytest
 from PIL import Image
 
 import ssao_gl as ao
-from ssao_gl import images, sources
 from ssao_gl.errors import ContextError
-from ssao_gl.files import claimed
+from ssao_gl.glsl import preprocess
+from ssao_gl.io import images
+from ssao_gl.io.atomic import locked_folder
 
 from .. import shapes
 
@@ -65,7 +66,7 @@ def whole(folder: Path) -> None:
         if any(part.startswith(".") for part in path.relative_to(folder).parts):
             continue
         if path.suffix in (".png", ".npy", ".exr"):
-            images.load(path)
+            images.load_image(path)
         elif path.suffix in (".gif", ".webp", ".apng"):
             with Image.open(path) as image:
                 for frame in range(getattr(image, "n_frames", 1)):
@@ -79,7 +80,7 @@ def whole(folder: Path) -> None:
 
 
 def test_broken_shader_is_named_by_file_and_line(provider: str, tmp_path: Path) -> None:
-    folder = shutil.copytree(sources.root(), tmp_path / "shaders")
+    folder = shutil.copytree(preprocess.root(), tmp_path / "shaders")
     lines = (folder / "lib" / "view.glsl").read_text().splitlines()
     (folder / "lib" / "view.glsl").write_text("\n".join([*lines, "float broken = ;"]) + "\n")
     target = tmp_path / "a.png"
@@ -98,7 +99,7 @@ BROKEN_FOLDERS: dict[str, tuple[Callable[[Path], object], str]] = {
 
 @pytest.mark.parametrize("case", BROKEN_FOLDERS)
 def test_broken_shader_folder(case: str, tmp_path: Path) -> None:
-    folder = shutil.copytree(sources.root(), tmp_path / "shaders")
+    folder = shutil.copytree(preprocess.root(), tmp_path / "shaders")
     spoil, expected = BROKEN_FOLDERS[case]
     spoil(folder)
     running = command("render", *SMALL, "-o", tmp_path / "a.png", environment={"SSAO_GL_SHADERS": str(folder)})
@@ -110,7 +111,7 @@ NO_MEMORY = """
 import resource, sys
 from pathlib import Path
 import ssao_gl as ao
-from ssao_gl.default_scene import default_scene
+from ssao_gl.scene.sample_scene import default_scene
 with ao.Renderer(sys.argv[1]) as renderer:
     scene = default_scene()
     before = renderer.render(scene, size=(32, 24)).image.tobytes()
@@ -244,7 +245,7 @@ def test_stopped_at_any_moment(case: str, number: int, place: Path) -> None:
 def test_two_runs_into_one_folder(place: Path) -> None:
     """The second is told so before it has written anything."""
     (place / "out").mkdir()
-    with claimed(place / "out"):
+    with locked_folder(place / "out"):
         for line in (["--turntable", 2], []):
             assert "another run is writing there now" in ended(command("render", *SMALL, *line, "-o", "out/"), 2)
     assert files(place) == []

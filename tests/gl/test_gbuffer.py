@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.camera import Camera
-from ssao_gl.default_scene import sphere
-from ssao_gl.scene import Draw, Scene
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.model import Mesh, Scene
+from ssao_gl.scene.sample_scene import sphere
 
 from ..shapes import camera, look_at, plane, quad
 
@@ -68,7 +68,7 @@ def test_an_instance_is_drawn_for_each_transform(renderer: ao.Renderer) -> None:
     places[:, 2, 3] = -8
     places[1] = places[1] @ np.diag([1, -1, 1, 1])  # mirrored
     places[2] = places[2] @ np.diag([1, 0.25, 0.5, 1])  # squashed
-    picture = shot(renderer, Scene([Draw(positions, triangles, normals, transforms=places)]), camera())
+    picture = shot(renderer, Scene([Mesh(positions, triangles, normals, transforms=places)]), camera())
     seen = picture.depth > 0
     points, normals_seen = camera().view(SIZE).points(picture.depth)[seen], picture.normal[seen]
     nearest = np.argmin([np.linalg.norm(points - place[:3, 3], axis=1) for place in places], axis=0)

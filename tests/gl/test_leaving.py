@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.camera import Camera, look_at
-from ssao_gl.footprint import footprint
-from ssao_gl.pipeline import RULES
-from ssao_gl.scene import Scene
+from ssao_gl.pipeline.settings import CULLING_RULES
+from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.model import Scene
+from ssao_gl.scene.screen_bounds import screen_bounds
 
 from ..shapes import camera, corner, plane, quad
 
 SIZE = (320, 180)
-KEEP_ALL = tuple(RULES)
+KEEP_ALL = tuple(CULLING_RULES)
 
 
 def presets() -> list[str]:
@@ -103,16 +103,16 @@ def test_adaptive_spends_taps_where_probes_see_something(any_renderer: ao.Render
 def test_footprint_holds_what_is_drawn(any_renderer: ao.Renderer, embedded: Scene) -> None:
     far_away = Camera.perspective(0.9, 0.1, 100, look_at((9, 6, 12), (0, 0, 0)))
     view = far_away.view(SIZE)
-    rect = footprint(embedded.bounds, far_away, view)
+    rect = screen_bounds(embedded.bounds, far_away, view)
     assert rect is not None and rect[2] * rect[3] < 0.5 * SIZE[0] * SIZE[1]
     x, y, w, h = rect
     covered = any_renderer.render(embedded, far_away, SIZE, aovs=("depth",)).depth[::-1] > 0
     assert covered[y : y + h, x : x + w].sum() == covered.sum() > 0
-    assert footprint(embedded.bounds, Camera.perspective(0.9, 0.1, 100), view) is None  # from inside the box
+    assert screen_bounds(embedded.bounds, Camera.perspective(0.9, 0.1, 100), view) is None  # from inside the box
 
 
 def test_the_default_stays_within_its_memory() -> None:
     """Beyond the caller's own depth, normals and picture, at 1280x720."""
-    from ssao_gl.pipeline import plan_apply
+    from ssao_gl.pipeline.build import plan_apply
 
     assert plan_apply(ao.Settings(method=ao.Bitmask(radius=1.0)), (1280, 720), depth="eye").bytes <= 12 * 2**20

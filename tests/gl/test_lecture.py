@@ -9,9 +9,10 @@ import pytest
 from numpy.typing import NDArray
 
 import ssao_gl as ao
-from ssao_gl.adapters.camera_files import load_cameras
-from ssao_gl.camera import Camera
-from ssao_gl.scene import Scene
+from ssao_gl.loaders.camera_files import load_cameras
+from ssao_gl.loaders.load import load_scene
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.model import Scene
 
 from ..conftest import real_scenes
 
@@ -81,6 +82,6 @@ def test_agrees_with_numpy(renderer: ao.Renderer, embedded: Scene, samples: int)
 @pytest.mark.parametrize("samples", [4, 8, 16])
 @pytest.mark.parametrize("path", real_scenes(), ids=lambda path: path.stem)
 def test_agrees_with_numpy_on_real_scenes(any_renderer: ao.Renderer, path: Path, samples: int) -> None:
-    scene = Scene.load(path)
+    scene = load_scene(path)
     for camera in load_cameras(path.with_suffix(".cam.json")):
         check(any_renderer, scene, camera, samples)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.default_scene import default_scene
+from ssao_gl.scene.sample_scene import default_scene
 
 from ..conftest import openable
 

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.pipeline import plan_render
+from ssao_gl.pipeline.build import plan_render
 from ssao_gl.planner import calibration, plan_arrays
 from ssao_gl.planner.candidates import CANDIDATES, FAMILIES, chosen_from
 from ssao_gl.planner.choice import Choice, choose
 from ssao_gl.planner.plan import ROUNDS, SMALLER
-from ssao_gl.renderer import Renderer
-from ssao_gl.scene import Scene
+from ssao_gl.render.renderer import Renderer
+from ssao_gl.scene.model import Scene
 from ssao_gl.truth import Tracing, trace
 
 from ..command_line import refused, run

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl import pipeline, sources
-from ssao_gl.config import settings_from
-from ssao_gl.gl.kit import Program
-from ssao_gl.halves import rounded
-from ssao_gl.scene import Scene
-from ssao_gl.stress import watch
+from ssao_gl.gl.programs import Program
+from ssao_gl.glsl import preprocess
+from ssao_gl.glsl.half_floats import emulate_half_floats
+from ssao_gl.pipeline.presets import settings_from
+from ssao_gl.pipeline.settings import PRECISIONS
+from ssao_gl.scene.model import Scene
+from ssao_gl.stress import finite_check
 
 from ..conftest import openable
 from ..shapes import camera, plane
@@ -26,7 +27,7 @@ CHOICES = [("bitmask", "draft"), ("bitmask", "medium"), ("bitmask", "high"), ("a
 
 def draw(renderer: ao.Renderer, settings: ao.Settings, scene: Scene, cam: ao.Camera) -> tuple[np.ndarray, np.ndarray]:
     """Visibility in steps of 1/255, and the picture; nothing on the way to them may be infinite or NaN."""
-    watched = dataclasses.replace(settings, method=watch.finite(settings.method))
+    watched = dataclasses.replace(settings, method=finite_check.with_finite_check(settings.method))
     assert renderer.render(scene, cam, SIZE, watched, aovs=("visibility",), checked=True).visibility.min() == 1
     picture = renderer.render(scene, cam, SIZE, settings, checked=True)
     return np.rint(picture.visibility * 255), picture.image.astype(int)
@@ -40,7 +41,7 @@ def test_mobile_is_near_high(
     mobile, cam = dataclasses.replace(high, precision="mobile"), embedded.cameras[0]
     seen, image = draw(renderer, high, embedded, cam)
     lower = [draw(renderer, mobile, embedded, cam)]  # mediump where the driver has it
-    monkeypatch.setitem(pipeline.PRECISIONS, "mobile", HALF)  # type: ignore[arg-type]
+    monkeypatch.setitem(PRECISIONS, "mobile", HALF)  # type: ignore[arg-type]
     with ao.Renderer(provider) as fresh:
         lower.append(draw(fresh, mobile, embedded, cam))
     for low, low_image in lower:
@@ -52,7 +53,7 @@ def test_mobile_is_near_high(
 @pytest.mark.parametrize("tilt", [0.6, 1.4])
 @pytest.mark.parametrize(("name", "preset"), CHOICES)
 def test_a_plane_stays_open(name: str, preset: str, tilt: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(pipeline.PRECISIONS, "mobile", HALF)  # type: ignore[arg-type]
+    monkeypatch.setitem(PRECISIONS, "mobile", HALF)  # type: ignore[arg-type]
     settings = settings_from(method_name=name, preset_name=preset, assignments=["precision=mobile", "radius=0.8"])
     with ao.Renderer(openable()[0]) as fresh:
         assert draw(fresh, settings, plane(tilt), camera())[0].min() >= 254
@@ -76,10 +77,10 @@ def test_rounding_is_that_of_half_floats(renderer: ao.Renderer) -> None:
     ctx, random = renderer.ctx, np.random.default_rng(1)
     scale = 2.0 ** random.uniform(-30, 18, 60)
     values = np.array([0, 1, -1, 2049, 2051, 65504, 65519, 65520, -7e4, 1e30, 300, 6e-8, *scale, *-scale], np.float32)
-    header = sources.build("composite.frag", {"HALF": 1}, ctx.dialect).text.split("// An sRGB")[0]
-    fragment = sources.Source(rounded(header + PROBE), ())
+    header = preprocess.build("composite.frag", {"HALF": 1}, ctx.dialect).text.split("// An sRGB")[0]
+    fragment = preprocess.ShaderSource(emulate_half_floats(header + PROBE), ())
     with ctx.current():
-        program = Program(ctx, sources.build("fullscreen.vert", {}, ctx.dialect), fragment, "probe")
+        program = Program(ctx, preprocess.build("fullscreen.vert", {}, ctx.dialect), fragment, "probe")
         target = ctx.mgl.texture((1, 1), 4, dtype="f4")
         frame = ctx.mgl.framebuffer([target])
         corner = ctx.mgl.buffer(np.array([-1, -1, 3, -1, -1, 3], "f4").tobytes())

@@ -11,7 +11,8 @@ import pytest
 
 import ssao_gl as ao
 from ssao_gl.gl import PROVIDERS
-from ssao_gl.scene import Scene
+from ssao_gl.loaders.load import load_scene
+from ssao_gl.scene.model import Scene
 
 from ..conftest import openable, real_scenes
 
@@ -55,9 +56,9 @@ def test_all_providers_draw_the_same(embedded: Scene) -> None:
 
 @pytest.mark.parametrize("path", real_scenes(), ids=lambda path: path.stem)
 def test_all_providers_draw_the_same_real_scene(path: object) -> None:
-    from ssao_gl.adapters.camera_files import load_cameras
+    from ssao_gl.loaders.camera_files import load_cameras
 
-    scene = Scene.load(path)
+    scene = load_scene(path)
     for camera in load_cameras(path.with_suffix(".cam.json")):  # type: ignore[attr-defined]
         agree(shots(scene, camera, (960, 540)))
         agree(default_shots(scene, camera, (960, 540)))

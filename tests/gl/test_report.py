@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.passes.blur import BLURS
-from ssao_gl.report.split import shifted
-from ssao_gl.scene import Scene
+from ssao_gl.experiment.error_split import shifted
+from ssao_gl.passes.denoise import FILTERS
+from ssao_gl.scene.model import Scene
 
 SIZE = (96, 64)
 
 
-@pytest.mark.parametrize("kind", BLURS)
+@pytest.mark.parametrize("kind", FILTERS)
 def test_a_given_visibility_is_filtered_as_a_method_s_own(renderer: ao.Renderer, embedded: Scene, kind: str) -> None:
     camera, method = embedded.cameras[0], ao.Alchemy(radius=0.5, samples=4)
     raw, own = (
         renderer.render(embedded, camera, SIZE, ao.Settings(method=method, blur=blur), aovs=("visibility",)).visibility
-        for blur in (None, BLURS[kind]())
+        for blur in (None, FILTERS[kind]())
     )
-    given, times = renderer.filter(embedded, camera, SIZE, raw, BLURS[kind]())
+    given, times = renderer.filter(embedded, camera, SIZE, raw, FILTERS[kind]())
     assert np.abs(given - own).max() <= 1.01 / 255
     assert [time.name for time in times][:2] == ["gbuffer", "pack"]
 

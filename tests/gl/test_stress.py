@@ -15,17 +15,19 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl import methods, sources
 from ssao_gl.cli import main
+from ssao_gl.glsl import preprocess
+from ssao_gl.methods import registry as methods
 from ssao_gl.methods.alchemy import Alchemy
-from ssao_gl.stress.battery import DECLARED, FAIL, PASS, Row, battery, runs
-from ssao_gl.stress.case import cases
+from ssao_gl.methods.registry import method, registry
+from ssao_gl.stress.catalogue import cases
 from ssao_gl.stress.fuzz import BLOCK, planned, random_shot
-from ssao_gl.stress.lab import Broken, Lab
 from ssao_gl.stress.replay import Recorder, replayed
+from ssao_gl.stress.runner import Broken, CaseRunner
 from ssao_gl.stress.shapes import lens, plane
 from ssao_gl.stress.shot import Shot
-from ssao_gl.stress.subject import Subject, subjects
+from ssao_gl.stress.specimen import Specimen, specimens
+from ssao_gl.stress.verdicts import DECLARED, FAIL, PASS, CaseResult, run_cases, runs
 
 from ..conftest import openable
 
@@ -52,20 +54,20 @@ def first() -> Iterator[Any]:
         one.release()
 
 
-def failures(rows: list[Row]) -> list[str]:
+def failures(rows: list[CaseResult]) -> list[str]:
     return [f"{row.case}: {row.measured} over {row.bound}, {row.reason}" for row in rows if row.verdict == FAIL]
 
 
 @pytest.mark.parametrize("name", ao.registry())
 def test_every_named_case(wide: ao.Renderer, first: Any, name: str) -> None:
-    rows = list(battery(wide, runs(cases().values(), subjects([name])), first))
+    rows = list(run_cases(wide, runs(cases().values(), specimens([name])), first))
     assert len(rows) == len(cases()) and failures(rows) == []
     assert Counter(row.verdict for row in rows)[PASS] > len(rows) / 2
 
 
 def test_random_cases(wide: ao.Renderer) -> None:
-    every = subjects()
-    rows = list(battery(wide, planned(0, range(2 * BLOCK * len(every)), every)))
+    every = specimens()
+    rows = list(run_cases(wide, planned(0, range(2 * BLOCK * len(every)), every)))
     assert failures(rows) == [] and {row.verdict for row in rows} <= {PASS, DECLARED}
 
 
@@ -81,7 +83,7 @@ class Zero(Alchemy):
 def broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A registered method whose shader is the one of alchemy with a division by zero; yields the shader's path."""
     folder = tmp_path / "shaders"
-    shutil.copytree(sources.root(), folder)
+    shutil.copytree(preprocess.root(), folder)
     text = (folder / "methods/alchemy.frag").read_text()
     shader = folder / "methods/broken.frag"
     shader.write_text(text.replace("    ssao_write(", "    open += 1.0 / (z - 3.0);\n    ssao_write("))
@@ -96,11 +98,11 @@ def broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 
 def forget() -> None:
     """What was read of shaders and methods is read anew."""
-    for cached in (sources.root, sources._read, methods.registry):
+    for cached in (preprocess.root, preprocess._read, registry):
         cached.cache_clear()
 
 
-def spoilt(lab: Lab) -> float:
+def spoilt(lab: CaseRunner) -> float:
     """A tilted plane with one texel exactly 3 units away."""
     depth = np.linspace(4, 6, 64 * 48, dtype=np.float32).reshape(48, 64)
     depth[20, 33] = 3
@@ -108,11 +110,11 @@ def spoilt(lab: Lab) -> float:
 
 
 def test_a_broken_method_is_caught_reduced_and_replayed(provider: str, broken: Path, tmp_path: Path) -> None:
-    found = methods.method("broken")
-    subject = Subject("broken", "default", dataclasses.replace(found, bias=0.0))
+    found = method("broken")
+    subject = Specimen("broken", "default", dataclasses.replace(found, bias=0.0))
     case = dataclasses.replace(cases()["plane"], name="spoilt", measure=spoilt)
     with ao.Renderer(provider) as renderer:
-        (row,) = battery(renderer, [(case, subject)], failed=Recorder(renderer, tmp_path / "failures", 0))
+        (row,) = run_cases(renderer, [(case, subject)], failed=Recorder(renderer, tmp_path / "failures", 0))
     assert (row.verdict, row.reason) == (FAIL, "method or filter compute NaN or infinity at 1 pixels")
     folder = Path(row.folder)
     depth = np.load(folder / "1-depth.npy")
@@ -130,10 +132,10 @@ def test_a_broken_method_is_caught_reduced_and_replayed(provider: str, broken: P
 
 
 def test_a_case_that_fails_as_a_whole_is_replayed_by_its_name(provider: str, tmp_path: Path) -> None:
-    subject = subjects(["alchemy"])[0]
+    subject = specimens(["alchemy"])[0]
     tight = dataclasses.replace(cases()["grid-shift"], bound=-1.0)
     with ao.Renderer(provider) as renderer:
-        (row,) = battery(renderer, [(tight, subject)], failed=Recorder(renderer, tmp_path, 0))
+        (row,) = run_cases(renderer, [(tight, subject)], failed=Recorder(renderer, tmp_path, 0))
         assert row.verdict == FAIL and row.command == f"ssao-gl stress --gl {provider} --methods alchemy --only grid-shift"
         assert len(list(Path(row.folder).glob("*-depth.npy"))) == 2
         assert replayed(renderer, Path(row.folder)).verdict == PASS  # by the bound that the case really has
@@ -146,18 +148,18 @@ def test_nothing_hides_behind_a_clamp(any_renderer: ao.Renderer) -> None:
         def uniforms(self, view: Any) -> Mapping[str, Any]:
             return {**super().uniforms(view), "u_strength": float("nan")}
 
-    subject = Subject("alchemy", "default", Poisoned())
+    subject = Specimen("alchemy", "default", Poisoned())
     shot = Shot(lens(), plane(0.5), size=(16, 12))
     seen = any_renderer.render(shot.scene, shot.camera, (16, 12), subject.settings(shot), aovs=("visibility",))  # type: ignore[arg-type]
     assert np.isin(seen.visibility, (0, 1)).all()
     with pytest.raises(Broken, match="NaN or infinity at 192 pixels"):
-        Lab(any_renderer, subject).see(shot)
+        CaseRunner(any_renderer, subject).see(shot)
 
 
 def test_a_random_case_is_drawn_alike_twice(any_renderer: ao.Renderer) -> None:
-    (subject,) = subjects(["bitmask"])
+    (subject,) = specimens(["bitmask"])
     for number in range(3):
-        first, second = (Lab(any_renderer, subject).see(random_shot(7, number, subject)).visibility for _ in range(2))
+        first, second = (CaseRunner(any_renderer, subject).see(random_shot(7, number, subject)).visibility for _ in range(2))
         np.testing.assert_array_equal(first, second)
 
 

@@ -13,10 +13,10 @@ import pytest
 from PIL import Image
 
 import ssao_gl as ao
-from ssao_gl.camera import Camera
-from ssao_gl.scene import Scene
-from ssao_gl.tiled import Job, draw
-from ssao_gl.tiles import layout
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.model import Scene
+from ssao_gl.tiling.job import Job, draw
+from ssao_gl.tiling.layout import layout
 
 from ..command_line import refused, run
 from ..shapes import camera, plane

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.camera import Camera
-from ssao_gl.methods import registry
-from ssao_gl.scene import Scene
-from ssao_gl.tiles import Layout, layout, unguarded
+from ssao_gl.methods.registry import registry
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.model import Scene
+from ssao_gl.tiling.layout import Layout, layout, unguarded
 
 from ..shapes import camera, plane, spread, with_radius
 

@@ -16,10 +16,10 @@ import pytest
 from PIL import Image
 
 import ssao_gl as ao
-from ssao_gl import images
-from ssao_gl.difference import compare, difference_picture
-from ssao_gl.passes.blur import BLURS
-from ssao_gl.scene import Scene
+from ssao_gl.io import images
+from ssao_gl.metrics.images import compare, difference_picture
+from ssao_gl.passes.denoise import FILTERS
+from ssao_gl.scene.model import Scene
 
 REFERENCES = Path(__file__).parent.parent / "references"
 FAILURES = Path(__file__).parent.parent / "_out"
@@ -43,7 +43,7 @@ CASES: dict[str, tuple[ao.Settings, str]] = {
     "default": (ao.Settings(), "image"),
     **{f"method-{name}": (ao.Settings(method=method(name)), "visibility") for name in ao.registry()},
     **{f"raw-{name}": (ao.Settings(method=method(name), blur=None), "visibility") for name in ao.registry()},
-    **{f"blur-{name}": (ao.Settings(method=ao.Alchemy(), blur=kind()), "visibility") for name, kind in BLURS.items()},
+    **{f"blur-{name}": (ao.Settings(method=ao.Alchemy(), blur=kind()), "visibility") for name, kind in FILTERS.items()},
 }
 
 
@@ -65,7 +65,7 @@ def test_picture(renderer: ao.Renderer, embedded: Scene, case: str, request: pyt
     if not good:
         FAILURES.mkdir(exist_ok=True)
         out = FAILURES / f"{case}-{renderer.ctx.provider}.png"
-        images.save(out, difference_picture(actual, expected))
+        images.save_image(out, difference_picture(actual, expected))
         pytest.fail(
             f"{case} on {renderer.ctx.provider} ({renderer.ctx.renderer}; reference by {made_by}): {difference.describe()}\n"
             f"actual | expected | difference x 16: {out}\nif the change is meant: pytest tests/images --regenerate"
@@ -82,7 +82,7 @@ def regenerate(path: Path, actual: np.ndarray, renderer: str) -> None:
     else:
         change = "new"
     print(f"{path.name}: {change}")
-    images.save(path, actual, texts={"renderer": renderer})
+    images.save_image(path, actual, texts={"renderer": renderer})
 
 
 def test_references_are_small_and_all_in_use() -> None:

@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 import ssao_gl as ao
-from ssao_gl import sources
+from ssao_gl.glsl import preprocess
 
 PACKAGE = Path(ao.__file__).parent
 FILES = sorted(PACKAGE.rglob("*.py"))
-GL = ("gl", "passes", "effect.py", "renderer.py")
-ADAPTERS = {"trimesh": "adapters", "pyrender": "adapters", "cyclopts": "cli", "rich": "cli"}
+GL = ("gl", "render")
+ADAPTERS = {"trimesh": "loaders", "pyrender": "loaders", "cyclopts": "cli", "rich": "cli"}
 
 
 def imports(path: Path) -> set[str]:
@@ -31,7 +31,7 @@ def imports(path: Path) -> set[str]:
 def test_libraries_stay_in_their_places(path: Path) -> None:
     place = path.relative_to(PACKAGE).parts[0]
     if "moderngl" in imports(path):
-        assert place in GL, "moderngl is for gl/, passes/, effect.py and renderer.py"
+        assert place in GL, "moderngl is for gl/ and render/"
     for library, home in ADAPTERS.items():
         if library in imports(path):
             assert place == home, f"{library} is for {home}/"
@@ -45,16 +45,16 @@ def test_no_shader_text_in_python(path: Path) -> None:
 @pytest.mark.parametrize("name", ao.registry())
 def test_a_method_has_a_shader_and_says_its_source(name: str) -> None:
     kind = ao.registry()[name]
-    assert (sources.root() / kind.shader).is_file()  # type: ignore[attr-defined]
+    assert (preprocess.root() / kind.shader).is_file()  # type: ignore[attr-defined]
     assert re.search(r"\b(19|20)\d\d\b", kind.__doc__ or "")
 
 
 def test_every_setting_has_words_and_limits() -> None:
     import dataclasses
 
-    from ssao_gl.passes.blur import BLURS
+    from ssao_gl.passes.denoise import FILTERS
     from ssao_gl.settings import limits
 
-    for kind in (*ao.registry().values(), *BLURS.values(), ao.Shading, ao.Kernel, ao.Rotation):
+    for kind in (*ao.registry().values(), *FILTERS.values(), ao.Shading, ao.Kernel, ao.Rotation):
         for field in dataclasses.fields(kind):
             assert limits(field).doc, f"{kind.__name__}.{field.name}"

@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ssao_gl.adapters import beside
 from ssao_gl.errors import SceneError
-from ssao_gl.scene import Scene
+from ssao_gl.loaders import resolver
+from ssao_gl.loaders.load import load_scene
 
 from ..scene_files import LIST, OBJ, XYZ, Tree, binary, changed, glb, ply, stl, tree, zipped
 
@@ -195,7 +195,7 @@ def test_drawn(case: str, verdicts: dict[str, tuple[str, str]]) -> None:
 def test_a_picture_that_is_left_out_is_named(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     (tmp_path / "a.glb").write_bytes(DRAWN["large picture"][1])
     with caplog.at_level("WARNING"):
-        assert Scene.load(tmp_path / "a.glb").draws[0].vertex_colors is None
+        assert load_scene(tmp_path / "a.glb").meshes[0].vertex_colors is None
     assert "13000x13056 texels are far more than its file can mean" in caplog.text
 
 
@@ -204,12 +204,12 @@ def test_large_files_beside_a_scene(tmp_path: Path, caplog: pytest.LogCaptureFix
     with (tmp_path / "film").open("wb") as file:
         file.truncate(2 << 30)
     (tmp_path / "a.obj").write_text("mtllib film\nusemtl a\n" + OBJ)
-    assert Scene.load(tmp_path / "a.obj").triangles == 1
+    assert load_scene(tmp_path / "a.obj").triangles == 1
     made = changed("buffers.0.uri", "film")
     (tmp_path / "a.gltf").write_text(json.dumps(made))
     with pytest.raises(SceneError, match="announces 48 bytes, but its file has 2147483648"):
-        Scene.load(tmp_path / "a.gltf")
-    found = beside.Beside(beside.in_folder(tmp_path))
+        load_scene(tmp_path / "a.gltf")
+    found = resolver.FolderResolver(resolver.in_folder(tmp_path))
     with pytest.raises(SceneError, match="at most 512 MiB beside a scene are read"):
         found.get("film")
 
@@ -217,15 +217,15 @@ def test_large_files_beside_a_scene(tmp_path: Path, caplog: pytest.LogCaptureFix
 def test_a_file_beside_is_read_once_and_counts_once(tmp_path: Path) -> None:
     (tmp_path / "a").write_bytes(b"content")
     (tmp_path / "b").symlink_to("a")
-    found = beside.Beside(beside.in_folder(tmp_path))
+    found = resolver.FolderResolver(resolver.in_folder(tmp_path))
     assert found.get("a") is found.get("./a") is found.get("b")
 
 
 def test_no_part_is_lost_or_named_at_random(tmp_path: Path) -> None:
     """A mesh of many primitives: each is drawn, in the same order every time."""
     (tmp_path / "a.glb").write_bytes(placed(2000, 2))
-    one, two = (Scene.load(tmp_path / "a.glb") for _ in range(2))
-    assert one.triangles == 4000 and [d.name for d in one.draws] == [d.name for d in two.draws]
+    one, two = (load_scene(tmp_path / "a.glb") for _ in range(2))
+    assert one.triangles == 4000 and [d.name for d in one.meshes] == [d.name for d in two.meshes]
 
 
 def test_bombs_are_small() -> None:

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ssao_gl.camera import Camera, look_at
 from ssao_gl.errors import SettingsError
-from ssao_gl.passes.gbuffer import fit_depth_range
-from ssao_gl.view import Matrix, View
+from ssao_gl.gl.scene_buffers import fit_depth_range
+from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.projection import Matrix, ViewConstants
 
 SIZE = (320, 200)
 
@@ -39,7 +39,7 @@ LENSES = {
 }
 
 
-def project(view: View, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def project(view: ViewConstants, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     clip = np.column_stack([points, np.ones(len(points))]) @ view.projection.T
     return clip[:, :3] / clip[:, 3:], clip[:, 3]
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ssao_gl.adapters.camera_files import load_camera, load_cameras
-from ssao_gl.camera import Orthographic, Perspective, look_at
 from ssao_gl.errors import SceneError
+from ssao_gl.loaders.camera_files import load_camera, load_cameras
+from ssao_gl.scene.camera import Orthographic, Perspective, look_at
 
 FRONT: dict[str, Any] = {"name": "front", "eye": [0, 0, 5], "target": [0, 0, 0], "yfov_deg": 40}
 PLAN: dict[str, Any] = {"name": "plan", "eye": [0, 9, 0], "target": [0, 0, 0], "up": [0, 0, -1], "ortho_height": 4}

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ssao_gl.config import read_toml, settings_from
 from ssao_gl.errors import SettingsError
-from ssao_gl.methods import registry
-from ssao_gl.passes.blur import BLURS, Joint
-from ssao_gl.pipeline import RULES, Settings
+from ssao_gl.methods.registry import registry
+from ssao_gl.passes.denoise import FILTERS, Joint
+from ssao_gl.pipeline.presets import read_toml, settings_from
+from ssao_gl.pipeline.settings import CULLING_RULES, Settings
 
 
 def test_defaults() -> None:
@@ -58,7 +58,7 @@ def test_presets() -> None:
 
 def test_keep() -> None:
     assert settings_from({"keep": ["background"]}) == settings_from(keep=["background"])
-    assert settings_from(keep=["all"]).keep == tuple(RULES)
+    assert settings_from(keep=["all"]).keep == tuple(CULLING_RULES)
 
 
 def test_blur_as_table_sets_the_default_filter() -> None:
@@ -137,6 +137,6 @@ def test_any_table_is_settings_or_an_error(table: dict[str, Any]) -> None:
 def test_every_method_and_filter_by_name() -> None:
     for name in registry():
         assert settings_from(method_name=name).method.name == name
-    for name in BLURS:
+    for name in FILTERS:
         found = settings_from(blur_name=name).blur
         assert found is not None and found.name == name

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.difference import compare, difference_picture
+from ssao_gl.metrics.images import compare, difference_picture
 
 
 def test_numbers() -> None:

@@ -15,11 +15,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ssao_gl.errors import FormatError
-from ssao_gl.files import _temporary, claimed, written
+from ssao_gl.io.atomic import _temporary, atomic_write, locked_folder
 
 
 def write(path: Path, content: bytes) -> None:
-    with written(path) as temporary:
+    with atomic_write(path) as temporary:
         temporary.write_bytes(content)
 
 
@@ -29,7 +29,10 @@ def write(path: Path, content: bytes) -> None:
 def test_an_older_file_stays_when_a_new_one_fails(error: BaseException, tmp_path: Path) -> None:
     target = tmp_path / "a.png"
     write(target, b"older")
-    with pytest.raises(FormatError if isinstance(error, OSError | ValueError) else type(error)), written(target) as temporary:
+    with (
+        pytest.raises(FormatError if isinstance(error, OSError | ValueError) else type(error)),
+        atomic_write(target) as temporary,
+    ):
         temporary.write_bytes(b"half")
         raise error
     assert target.read_bytes() == b"older" and list(tmp_path.iterdir()) == [target]
@@ -51,8 +54,8 @@ def test_a_link_is_replaced_and_not_followed(tmp_path: Path) -> None:
 HALF = """
 import sys, time
 from pathlib import Path
-from ssao_gl.files import written
-with written(Path(sys.argv[1])) as temporary:
+from ssao_gl.io.atomic import atomic_write
+with atomic_write(Path(sys.argv[1])) as temporary:
     temporary.write_bytes(b"half")
     print(flush=True)
     time.sleep(60)
@@ -77,7 +80,7 @@ def test_what_a_killed_run_left_is_gone_after_the_next(tmp_path: Path) -> None:
 def test_names_of_outputs_do_not_meet(tmp_path: Path) -> None:
     """Outputs of the same folder are written at the same time."""
     names = ["a.png", "a.npy", "a.b.png", "b.png", "a", "x" * 200 + ".png", "x" * 201 + ".png", "\u00e9" * 120 + ".png"]
-    with written(tmp_path / "a.part.png") as outer:
+    with atomic_write(tmp_path / "a.part.png") as outer:
         outer.write_bytes(b"outer")
         for name in names:
             write(tmp_path / name, name.encode())
@@ -116,10 +119,10 @@ def test_where_files_cannot_be_locked(tmp_path: Path, monkeypatch: pytest.Monkey
         raise OSError(37, "No locks available")
 
     monkeypatch.setattr(fcntl, "flock", fail)
-    with written(tmp_path / "a.png") as temporary:
+    with atomic_write(tmp_path / "a.png") as temporary:
         assert str(os.getpid()) in temporary.name
         temporary.write_bytes(b"x")
-    with claimed(tmp_path):
+    with locked_folder(tmp_path):
         pass
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
 
@@ -149,11 +152,11 @@ def test_many_at_once(tmp_path: Path) -> None:
 
 
 def test_a_folder_is_claimed_by_one_run(tmp_path: Path) -> None:
-    with claimed(tmp_path):
-        with pytest.raises(FormatError, match="another run is writing there now"), claimed(tmp_path):
+    with locked_folder(tmp_path):
+        with pytest.raises(FormatError, match="another run is writing there now"), locked_folder(tmp_path):
             pass
         write(tmp_path / "a.png", b"x")
-    with claimed(tmp_path):
+    with locked_folder(tmp_path):
         pass
-    with pytest.raises(FormatError, match="cannot write"), claimed(tmp_path / "gone"):
+    with pytest.raises(FormatError, match="cannot write"), locked_folder(tmp_path / "gone"):
         pass

@@ -5,14 +5,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ssao_gl.errors import GraphError
-from ssao_gl.graph import Pass, Plan, Tex, compile
-from ssao_gl.pipeline import Settings, plan_apply, plan_render
+from ssao_gl.graph.declare import Pass, Texture
+from ssao_gl.graph.frame_graph import compile
+from ssao_gl.graph.plan import Plan
+from ssao_gl.pipeline.build import plan_apply, plan_render
+from ssao_gl.pipeline.settings import Settings
 
 FRAME = (64, 48)
 
 
-def task(name: str, reads: str = "", writes: str = "", depth: str | None = None, **formats: Tex) -> Pass:
-    targets = {w: formats.get(w, Tex("r8")) for w in writes.split()}
+def task(name: str, reads: str = "", writes: str = "", depth: str | None = None, **formats: Texture) -> Pass:
+    targets = {w: formats.get(w, Texture("r8")) for w in writes.split()}
     return Pass(name, tuple(reads.split()), targets, lambda stage: None, depth)
 
 
@@ -49,8 +52,8 @@ def test_a_depth_buffer_lives_for_its_pass_alone() -> None:
 
 
 def test_sizes_round_up_and_never_reach_zero() -> None:
-    assert Tex("r8", 0.5).size((1279, 719)) == (640, 360)
-    assert Tex("r8", 0.25).size((1, 1)) == (1, 1)
+    assert Texture("r8", 0.5).size((1279, 719)) == (640, 360)
+    assert Texture("r8", 0.25).size((1, 1)) == (1, 1)
 
 
 def test_inputs_are_the_callers() -> None:
@@ -64,8 +67,8 @@ def test_inputs_are_the_callers() -> None:
         ([task("b", "visibilty", "b"), task("a", "", "visibility")], ["b"], "Did you mean 'visibility'"),
         ([task("a", "", "x"), task("b", "", "x")], ["x"], "also written by pass 'a'"),
         ([task("a", "b", "a"), task("b", "a", "b")], ["a"], "wait for each other: a -> b -> a"),
-        ([task("a", "", "a", a=Tex("r9"))], ["a"], "'r9'"),
-        ([task("a", "", "x y", x=Tex("r8"), y=Tex("r8", 0.5))], ["x", "y"], "one size"),
+        ([task("a", "", "a", a=Texture("r9"))], ["a"], "'r9'"),
+        ([task("a", "", "x y", x=Texture("r8"), y=Texture("r8", 0.5))], ["x", "y"], "one size"),
         ([task("a", "", "a"), task("a", "", "b")], ["a"], "two passes are called 'a'"),
         ([task("a", "", "a")], ["b"], "the caller needs 'b'"),
         ([task("a", "", "depth")], ["depth"], "also written by the caller"),

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ssao_gl.scene import Scene
+from ssao_gl.loaders.load import load_scene
 
 from ..command_line import refused, run
 from ..fuzz_loaders import results
@@ -270,14 +270,14 @@ def test_strange_but_drawn(case: str, folder: Path, capsys: pytest.CaptureFixtur
 
 def test_nothing_outside_is_read(folder: Path, caplog: pytest.LogCaptureFixture) -> None:
     """An image, and a material library, that lie outside: the scene is drawn without them, and says so."""
-    from ssao_gl.adapters.beside import in_folder
+    from ssao_gl.loaders.resolver import in_folder
 
     made = tree(images=[{"uri": "../outside.png"}], textures=[{"source": 0}])
     made["materials"] = [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]
     made["meshes"][0]["primitives"][0]["material"] = 0
     (folder / "a.glb").write_bytes(glb(made))
     with caplog.at_level("WARNING"):
-        Scene.load(folder / "a.glb")
+        load_scene(folder / "a.glb")
     assert "drawn without '../outside.png'" in caplog.text
     fetch = in_folder(folder)
     (folder / "link").symlink_to(folder.parent / "outside.bin")
@@ -308,10 +308,10 @@ def test_hostile_files_take_no_memory(folder: Path) -> None:
         paths[-1].write_bytes(content)
     script = (
         "import resource, sys, trimesh\n"
-        "from ssao_gl.scene import Scene\nfrom ssao_gl.errors import SceneError\n"
+        "from ssao_gl.loaders.load import load_scene\nfrom ssao_gl.errors import SceneError\n"
         "resource.setrlimit(resource.RLIMIT_AS, (2 << 30, 2 << 30))\n"
         "for path in sys.argv[1:]:\n"
-        "    try:\n        Scene.load(path)\n        sys.exit(path)\n"
+        "    try:\n        load_scene(path)\n        sys.exit(path)\n"
         "    except SceneError as error:\n        assert 'MemoryError' not in str(error), error\n"
     )
     ran = subprocess.run([sys.executable, "-c", script, *map(str, paths)], capture_output=True, text=True, timeout=120)

@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 from PIL import Image
 
-from ssao_gl import images
 from ssao_gl.errors import FormatError
-from ssao_gl.files import check_writable, unreadable, written
+from ssao_gl.io import images
+from ssao_gl.io.atomic import atomic_write, check_writable, why_unreadable
 
 RNG = np.random.default_rng(5)
 
@@ -25,8 +25,8 @@ RNG = np.random.default_rng(5)
 @pytest.mark.parametrize("shape", [(5, 7), (5, 7, 3), (5, 7, 4), (1, 1), (1, 9, 3)])
 def test_png_round_trip(shape: tuple[int, ...], tmp_path: Path) -> None:
     array = RNG.integers(0, 256, shape).astype(np.uint8)
-    images.save(tmp_path / "a.png", array, texts={"key": "value", "umlaut": "ä"})
-    loaded = images.load(tmp_path / "a.png")
+    images.save_image(tmp_path / "a.png", array, texts={"key": "value", "umlaut": "ä"})
+    loaded = images.load_image(tmp_path / "a.png")
     assert loaded.dtype == np.uint8 and np.array_equal(loaded, array)
     with Image.open(tmp_path / "a.png") as image:
         assert image.info["key"] == "value" and image.info["umlaut"] == "ä"
@@ -34,30 +34,30 @@ def test_png_round_trip(shape: tuple[int, ...], tmp_path: Path) -> None:
 
 def test_16_bits(tmp_path: Path) -> None:
     array = RNG.integers(0, 65536, (4, 6)).astype(np.uint16)
-    images.save(tmp_path / "a.png", array)
-    loaded = images.load(tmp_path / "a.png")
+    images.save_image(tmp_path / "a.png", array)
+    loaded = images.load_image(tmp_path / "a.png")
     assert loaded.dtype == np.uint16 and np.array_equal(loaded, array)
     with pytest.raises(FormatError, match="16-bit PNG is for grey"):
-        images.save(tmp_path / "b.png", np.zeros((4, 6, 3), np.uint16))
+        images.save_image(tmp_path / "b.png", np.zeros((4, 6, 3), np.uint16))
     assert not (tmp_path / "b.png").exists()
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64, np.uint8, np.int32, bool])
 def test_npy_round_trip(dtype: Any, tmp_path: Path) -> None:
     array = (RNG.random((3, 4, 2)) * 5).astype(dtype)
-    images.save(tmp_path / "a.npy", array)
-    loaded = images.load(tmp_path / "a.npy")
+    images.save_image(tmp_path / "a.npy", array)
+    loaded = images.load_image(tmp_path / "a.npy")
     assert loaded.dtype == array.dtype and np.array_equal(loaded, array)
     assert loaded.flags.writeable and not isinstance(loaded, np.memmap), "no longer tied to the file"
     np.save(tmp_path / "f.npy", np.asfortranarray(array))
-    assert np.array_equal(images.load(tmp_path / "f.npy"), array)
+    assert np.array_equal(images.load_image(tmp_path / "f.npy"), array)
 
 
 @pytest.mark.parametrize("shape", [(4, 5), (4, 5, 3), (4, 5, 4)])
 def test_exr_round_trip(shape: tuple[int, ...], tmp_path: Path) -> None:
     array = RNG.random(shape).astype(np.float32) * 100
-    images.save(tmp_path / "a.exr", array)
-    loaded = images.load(tmp_path / "a.exr")
+    images.save_image(tmp_path / "a.exr", array)
+    loaded = images.load_image(tmp_path / "a.exr")
     assert loaded.dtype == np.float32 and np.array_equal(loaded, array)
 
 
@@ -84,7 +84,7 @@ def test_modes_of_pillow(mode: str, tmp_path: Path) -> None:
     if mode in ("HSV", "PA"):
         image = image.convert("RGBA")
     image.save(tmp_path / name)
-    loaded = images.load(tmp_path / name)
+    loaded = images.load_image(tmp_path / name)
     assert loaded.dtype == np.uint8 and loaded.shape[:2] == (4, 6) and loaded.shape[2] in (3, 4)
 
 
@@ -98,7 +98,7 @@ def test_no_programs_are_started(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     path = tmp_path / "a.png"
     path.write_bytes(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\nshowpage\n%%EOF\n")
     with pytest.raises(FormatError, match="not a readable picture"):
-        images.load(path)
+        images.load_image(path)
 
 
 def test_pictures_of_absurd_size(tmp_path: Path) -> None:
@@ -111,25 +111,25 @@ def test_pictures_of_absurd_size(tmp_path: Path) -> None:
     chunk = struct.pack(">I", 13) + b"IHDR" + head + struct.pack(">I", zlib.crc32(b"IHDR" + head))
     (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n" + chunk)
     with pytest.raises(FormatError, match="not a readable picture"):
-        images.load(tmp_path / "a.png")
+        images.load_image(tmp_path / "a.png")
     assert before == Image.MAX_IMAGE_PIXELS
 
 
 @pytest.mark.parametrize("suffix", ["png", "npy", "exr"])
 def test_truncated(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"a.{suffix}"
-    images.save(path, RNG.random((40, 50)).astype(np.float32))
+    images.save_image(path, RNG.random((40, 50)).astype(np.float32))
     whole = path.read_bytes()
     for share in (0.001, 0.1, 0.5, 0.9):
         path.write_bytes(whole[: max(1, int(len(whole) * share))])
         with pytest.raises(FormatError) as raised:
-            images.load(path)
+            images.load_image(path)
         assert str(path) in str(raised.value) and "\n" not in str(raised.value)
 
 
 def test_unknown_suffix(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"suffix '\.bmp'; use one of \.png, \.npy, \.exr, or a folder"):
-        images.save(tmp_path / "a.bmp", np.zeros((2, 2), np.uint8))
+        images.save_image(tmp_path / "a.bmp", np.zeros((2, 2), np.uint8))
 
 
 # Files.
@@ -137,19 +137,19 @@ def test_unknown_suffix(tmp_path: Path) -> None:
 
 def test_written_whole_or_not(tmp_path: Path) -> None:
     target = tmp_path / "a.txt"
-    with written(target) as temporary:
+    with atomic_write(target) as temporary:
         temporary.write_text("one")
         assert not target.exists()
     assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
     for error in (KeyboardInterrupt, RuntimeError, SystemExit):
-        with pytest.raises(error), written(target) as temporary:
+        with pytest.raises(error), atomic_write(target) as temporary:
             temporary.write_text("half")
             raise error
         assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
 
 
 def test_encoder_errors_are_ours(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"cannot write .*a\.webp"), written(tmp_path / "a.webp") as temporary:
+    with pytest.raises(FormatError, match=r"cannot write .*a\.webp"), atomic_write(tmp_path / "a.webp") as temporary:
         Image.new("RGB", (20000, 1)).save(temporary, format="WEBP")
     assert not list(tmp_path.iterdir())
 
@@ -157,7 +157,7 @@ def test_encoder_errors_are_ours(tmp_path: Path) -> None:
 def test_mode_follows_the_umask(tmp_path: Path) -> None:
     before = os.umask(0o027)
     try:
-        with written(tmp_path / "a") as temporary:
+        with atomic_write(tmp_path / "a") as temporary:
             temporary.write_text("x")
     finally:
         os.umask(before)
@@ -183,8 +183,8 @@ def test_check_writable_leaves_nothing(tmp_path: Path) -> None:
 def test_unreadable(tmp_path: Path) -> None:
     (tmp_path / "full").write_text("x")
     (tmp_path / "empty").write_text("")
-    assert unreadable(tmp_path / "full") is None
-    assert unreadable(tmp_path / "empty") == "the file is empty" and unreadable(tmp_path / "empty", empty=True) is None
-    assert unreadable(tmp_path) == "is a folder"
-    assert unreadable(tmp_path / "gone") == unreadable(tmp_path / "full" / "x") == "no such file"
-    assert unreadable(Path("/dev/zero")) == "is not a regular file"
+    assert why_unreadable(tmp_path / "full") is None
+    assert why_unreadable(tmp_path / "empty") == "the file is empty" and why_unreadable(tmp_path / "empty", empty=True) is None
+    assert why_unreadable(tmp_path) == "is a folder"
+    assert why_unreadable(tmp_path / "gone") == why_unreadable(tmp_path / "full" / "x") == "no such file"
+    assert why_unreadable(Path("/dev/zero")) == "is not a regular file"

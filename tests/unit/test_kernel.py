@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import qmc
 
 from ssao_gl.errors import SettingsError
-from ssao_gl.kernel import Kernel, Rotation, radical_inverse
+from ssao_gl.sampling.disk import Kernel, Rotation, radical_inverse
 
 DISTRIBUTIONS = ("spiral", "hammersley", "uniform")
 

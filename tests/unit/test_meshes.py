@@ -15,11 +15,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from ssao_gl.adapters.meshes import from_trimesh, load
-from ssao_gl.camera import Orthographic, Perspective
 from ssao_gl.errors import SceneError
-from ssao_gl.normals import crease_normals, weld
-from ssao_gl.scene import Draw, Scene
+from ssao_gl.loaders.trimesh_scenes import from_trimesh, load_mesh_file
+from ssao_gl.scene.camera import Orthographic, Perspective
+from ssao_gl.scene.model import Mesh, Scene
+from ssao_gl.scene.vertex_normals import crease_normals, weld
 
 from ..scene_files import binary, glb, tree, zipped
 
@@ -32,12 +32,12 @@ def written(folder: Path, mesh: Any, suffix: str, **options: Any) -> Path:
     return path
 
 
-def one(scene: Scene) -> Draw:
-    assert len(scene.draws) == 1
-    return scene.draws[0]
+def one(scene: Scene) -> Mesh:
+    assert len(scene.meshes) == 1
+    return scene.meshes[0]
 
 
-def corners(draw: Draw) -> np.ndarray:
+def corners(draw: Mesh) -> np.ndarray:
     """World coordinates (k m, 3, 3) of all triangles of all instances."""
     points = np.einsum("kij,nj->kni", draw.transforms[:, :3, :3], draw.positions) + draw.transforms[:, None, :3, 3]
     return points[:, draw.triangles].reshape(-1, 3, 3)
@@ -57,7 +57,7 @@ def test_formats(suffix: str, tmp_path: Path) -> None:
         path.write_bytes(zipped(a__stl=mesh.export(file_type="stl")))
     else:
         path = written(tmp_path, mesh, suffix)
-    scene = load(path)
+    scene = load_mesh_file(path)
     draw = one(scene)
     assert scene.triangles == len(mesh.faces)
     assert len(draw.positions) == len(mesh.vertices), "smooth: no vertex is doubled, none is left apart"
@@ -72,10 +72,10 @@ def test_formats(suffix: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(("suffix", "up"), [("glb", 1), ("obj", 1), ("ply", 2), ("stl", 2), ("off", 2)])
 def test_up_axis(suffix: str, up: int, tmp_path: Path) -> None:
     path = written(tmp_path, trimesh.creation.box(), suffix)
-    assert np.argmax(load(path).up) == up
-    assert load(path, up="x").up == (1, 0, 0)
+    assert np.argmax(load_mesh_file(path).up) == up
+    assert load_mesh_file(path, up="x").up == (1, 0, 0)
     with pytest.raises(SceneError, match="up axis 'w'; must be"):
-        load(path, up="w")
+        load_mesh_file(path, up="w")
 
 
 def test_obj_indices_that_count_back(tmp_path: Path) -> None:
@@ -86,12 +86,12 @@ def test_obj_indices_that_count_back(tmp_path: Path) -> None:
         lines += [f"v {x} {y} {z}" for x, y, z in quad] + [f"vt {number} 0", f"vn 0 0 {(-1) ** number}"]
         lines += [f"usemtl m{number}", "f -4/-1/-1 -3/-1/-1 \\", "  -2/-1/-1 -1/-1/-1  # the latest four"]
     (tmp_path / "a.obj").write_text("\n".join(lines))
-    scene = load(tmp_path / "a.obj")
+    scene = load_mesh_file(tmp_path / "a.obj")
     assert scene.triangles == 6
-    found = np.concatenate([corners(draw) for draw in scene.draws])
+    found = np.concatenate([corners(draw) for draw in scene.meshes])
     np.testing.assert_array_equal(np.unique(found[:, :, 2]), [0, 1, 2])
     assert (np.ptp(found[:, :, 2], axis=1) == 0).all()
-    normals = {float(draw.positions[0, 2]): draw.normals for draw in scene.draws}
+    normals = {float(draw.positions[0, 2]): draw.normals for draw in scene.meshes}
     assert all(n is not None and (n[:, 2] == (-1) ** int(z)).all() for z, n in normals.items())
 
 
@@ -118,7 +118,7 @@ end_header
     body = b"".join(struct.pack(f"{order}dffBBB", x, y, 0, 255, 0, 0) for x, y in corners_)
     body += b"".join(struct.pack(f"{order}BH{len(p)}If", 7, len(p), *p, 0.5) for p in polygons)
     (tmp_path / "a.ply").write_bytes(header.encode() + body)
-    draw = one(load(tmp_path / "a.ply"))
+    draw = one(load_mesh_file(tmp_path / "a.ply"))
     sides = np.diff(corners(draw)[:, :, :2], axis=1)
     areas = (sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]) / 2
     assert len(areas) == 4 + 1 + 2 + 1
@@ -128,7 +128,7 @@ end_header
 
 def test_upper_case_suffix(tmp_path: Path) -> None:
     written(tmp_path, trimesh.creation.box(), "stl").rename(tmp_path / "A.STL")
-    assert load(tmp_path / "A.STL").triangles == 12
+    assert load_mesh_file(tmp_path / "A.STL").triangles == 12
 
 
 def test_instances_share_geometry(tmp_path: Path) -> None:
@@ -138,7 +138,7 @@ def test_instances_share_geometry(tmp_path: Path) -> None:
     scene.geometry["box"] = mesh
     for k, place in enumerate(places):
         scene.graph.update(frame_to=f"n{k}", matrix=place, geometry="box")
-    draw = one(load(written(tmp_path, scene, "glb")))
+    draw = one(load_mesh_file(written(tmp_path, scene, "glb")))
     assert len(draw.triangles) == 12 and draw.name == "box"
     found = draw.transforms[np.argsort(draw.transforms[:, 0, 3])]
     np.testing.assert_allclose(found, places)
@@ -161,7 +161,7 @@ def test_nested_transforms(tmp_path: Path) -> None:
     turn = trimesh.transformations.rotation_matrix(np.pi / 2, [0, 0, 1])
     outer = trimesh.transformations.translation_matrix([1, 2, 3]) @ turn @ np.diag([2, 2, 2, 1.0])
     expected = outer @ trimesh.transformations.translation_matrix([10, 0, 0]) @ np.diag([1, -1, 1, 1.0])
-    draw = one(load(path))
+    draw = one(load_mesh_file(path))
     np.testing.assert_allclose(draw.transforms[0], expected, atol=1e-12)
     assert np.linalg.det(draw.transforms[0][:3, :3]) < 0, "a mirror stays one"
 
@@ -179,7 +179,7 @@ def test_positions_as_normalized_integers(kind: int, dtype: str, tmp_path: Path)
     body = corners_.tobytes() + binary()[24:]
     path = tmp_path / "a.glb"
     path.write_bytes(glb(content, body))
-    np.testing.assert_allclose(load(path).bounds, [[1, 0, 0], [4, 5, 0]], atol=1e-6)
+    np.testing.assert_allclose(load_mesh_file(path).bounds, [[1, 0, 0], [4, 5, 0]], atol=1e-6)
 
 
 @given(
@@ -189,7 +189,7 @@ def test_positions_as_normalized_integers(kind: int, dtype: str, tmp_path: Path)
 )
 @settings(max_examples=30, deadline=None)
 def test_any_transform(rotation: list[float], scale: list[float], translation: list[float]) -> None:
-    from ssao_gl.adapters.gltf_nodes import local
+    from ssao_gl.loaders.gltf_nodes import local
 
     x, y, z, w = rotation
     expected = trimesh.transformations.translation_matrix(translation)
@@ -206,9 +206,9 @@ def test_nodes_of_one_mesh_and_of_several_primitives(tmp_path: Path) -> None:
     )
     path = tmp_path / "a.glb"
     path.write_bytes(glb(content))
-    scene = load(path)
-    assert len(scene.draws) == 2 and scene.triangles == 4
-    for draw in scene.draws:
+    scene = load_mesh_file(path)
+    assert len(scene.meshes) == 2 and scene.triangles == 4
+    for draw in scene.meshes:
         assert sorted(draw.transforms[:, 0, 3]) == [0, 5]
 
 
@@ -217,7 +217,7 @@ def test_file_without_a_scene_shows_all_roots(tmp_path: Path) -> None:
     del content["scenes"], content["scene"]
     path = tmp_path / "a.glb"
     path.write_bytes(glb(content))
-    assert load(path).triangles == 2
+    assert load_mesh_file(path).triangles == 2
 
 
 def test_buffers_beside_the_file(tmp_path: Path) -> None:
@@ -229,15 +229,15 @@ def test_buffers_beside_the_file(tmp_path: Path) -> None:
     for uri in ("my data/a b.bin", "my%20data/a%20b.bin", "my data\\a b.bin", "./my data/a b.bin"):
         text = json.dumps(tree(buffers=[{"byteLength": 48, "uri": uri}]))
         (tmp_path / "a.gltf").write_text(text)
-        assert load(tmp_path / "a.gltf").triangles == 1, uri
+        assert load_mesh_file(tmp_path / "a.gltf").triangles == 1, uri
         with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
             archive.writestr("in/a.gltf", text)
             archive.writestr("in/my data/a b.bin", binary())
             archive.writestr("__MACOSX/in/._a.gltf", b"\0\5\x16\7")
-        assert load(tmp_path / "a.zip").triangles == 1, uri
+        assert load_mesh_file(tmp_path / "a.zip").triangles == 1, uri
     data = "data:application/octet-stream;base64," + base64.b64encode(binary()).decode()
     (tmp_path / "b.gltf").write_text(json.dumps(tree(buffers=[{"byteLength": 48, "uri": data}])))
-    assert load(tmp_path / "b.gltf").triangles == 1
+    assert load_mesh_file(tmp_path / "b.gltf").triangles == 1
 
 
 def test_archive_of_several_meshes(tmp_path: Path) -> None:
@@ -246,7 +246,7 @@ def test_archive_of_several_meshes(tmp_path: Path) -> None:
     path.write_bytes(
         zipped(a__stl=box.export(file_type="stl"), b__stl=box.export(file_type="stl"), c__ply=ball.export(file_type="ply"))
     )
-    assert load(path).triangles == 12 + 12 + len(ball.faces)
+    assert load_mesh_file(path).triangles == 12 + 12 + len(ball.faces)
 
 
 # Colours: sRGB in 0..1, or bytes at the vertices.
@@ -258,13 +258,13 @@ def test_gltf_factors_are_linear(tmp_path: Path) -> None:
     content["meshes"][0]["primitives"][0]["material"] = 0
     path = tmp_path / "a.glb"
     path.write_bytes(glb(content))
-    assert one(load(path)).color == pytest.approx((0.5, 1, 0), abs=4e-3)
+    assert one(load_mesh_file(path)).color == pytest.approx((0.5, 1, 0), abs=4e-3)
     content["materials"] = [{}]
     path.write_bytes(glb(content))
-    assert one(load(path)).color == (1, 1, 1), "glTF's default is white"
+    assert one(load_mesh_file(path)).color == (1, 1, 1), "glTF's default is white"
     del content["meshes"][0]["primitives"][0]["material"]
     path.write_bytes(glb(content))
-    assert one(load(path)).color == pytest.approx((0.8, 0.8, 0.8))
+    assert one(load_mesh_file(path)).color == pytest.approx((0.8, 0.8, 0.8))
 
 
 def painted_square() -> trimesh.Trimesh:
@@ -273,7 +273,7 @@ def painted_square() -> trimesh.Trimesh:
     return mesh
 
 
-def by_place(draw: Draw) -> dict[tuple[float, ...], tuple[int, ...]]:
+def by_place(draw: Mesh) -> dict[tuple[float, ...], tuple[int, ...]]:
     assert draw.vertex_colors is not None
     return {tuple(map(float, p)): tuple(map(int, c)) for p, c in zip(draw.positions, draw.vertex_colors, strict=True)}
 
@@ -281,7 +281,7 @@ def by_place(draw: Draw) -> dict[tuple[float, ...], tuple[int, ...]]:
 @pytest.mark.parametrize("suffix", ["glb", "ply", "obj"])
 def test_vertex_colors(suffix: str, tmp_path: Path) -> None:
     mesh = painted_square()
-    draw = one(load(written(tmp_path, mesh, suffix)))
+    draw = one(load_mesh_file(written(tmp_path, mesh, suffix)))
     expected = {tuple(map(float, p)): tuple(map(int, c)) for p, c in zip(mesh.vertices, mesh.visual.vertex_colors, strict=True)}
     assert by_place(draw) == expected and draw.color == (1, 1, 1)
 
@@ -296,7 +296,7 @@ def test_vertex_colors_times_material(tmp_path: Path) -> None:
     content["buffers"] = [{"byteLength": 60}]
     path = tmp_path / "a.glb"
     path.write_bytes(glb(content, binary() + bytes([10, 20, 30, 255] * 3)))
-    draw = one(load(path))
+    draw = one(load_mesh_file(path))
     assert draw.color == pytest.approx((0, 1, 0)) and draw.vertex_colors is not None
     assert draw.vertex_colors.tolist() == [[10, 20, 30, 255]] * 3
 
@@ -306,7 +306,7 @@ def test_face_colors_stay_apart_at_edges(tmp_path: Path) -> None:
     colors = np.arange(72).reshape(6, 12)[:, :3].astype(np.uint8)
     side = np.argmax(np.abs(mesh.face_normals) > 0.5, 1) * 2 + (mesh.face_normals.sum(1) > 0)
     mesh.visual.face_colors = np.column_stack([colors[side], np.full(12, 255, np.uint8)])
-    for draw in (one(from_trimesh(mesh)), one(load(written(tmp_path, mesh, "ply")))):
+    for draw in (one(from_trimesh(mesh)), one(load_mesh_file(written(tmp_path, mesh, "ply")))):
         assert len(draw.positions) == 24 and draw.vertex_colors is not None and draw.color == (1, 1, 1)
         found = draw.vertex_colors[draw.triangles]
         assert (found == found[:, :1]).all(), "each face has its own"
@@ -324,7 +324,7 @@ def test_textures_are_sampled_at_vertices(tmp_path: Path) -> None:
     """v points upwards in OBJ, downwards in glTF: either way the picture's lower left is at (0, 0)."""
     image = Image.fromarray(np.array([[[255, 0, 0], [0, 255, 0]], [[0, 0, 255], [9, 9, 9]]], np.uint8))
     for suffix in ("glb", "obj"):
-        draw = one(load(written(tmp_path, textured_square(image), suffix)))
+        draw = one(load_mesh_file(written(tmp_path, textured_square(image), suffix)))
         found = by_place(draw)
         assert found[0, 0, 0][:3] == (0, 0, 255) and found[1, 0, 0][:3] == (9, 9, 9), suffix
         assert found[0, 1, 0][:3] == (255, 0, 0) and found[1, 1, 0][:3] == (0, 255, 0), suffix
@@ -338,7 +338,7 @@ def test_broken_texture_is_left_out(tmp_path: Path, caplog: pytest.LogCaptureFix
     data[at : at + 200] = bytes(200)
     path.write_bytes(data)
     with caplog.at_level("WARNING"):
-        draw = one(load(path))
+        draw = one(load_mesh_file(path))
     assert draw.vertex_colors is None and "drawn without its texture" in caplog.text
 
 
@@ -346,11 +346,11 @@ def test_obj_materials(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None
     text = "mtllib my.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl red\nf 1 2 3\nusemtl blue\nf 1 2 4\n"
     (tmp_path / "a.obj").write_text(text)
     (tmp_path / "my.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\n")
-    scene = load(tmp_path / "a.obj")
-    assert sorted(draw.color for draw in scene.draws) == [(0, 0, 1), (1, 0, 0)]
+    scene = load_mesh_file(tmp_path / "a.obj")
+    assert sorted(draw.color for draw in scene.meshes) == [(0, 0, 1), (1, 0, 0)]
     (tmp_path / "my.mtl").unlink()
     with caplog.at_level("WARNING"):
-        assert load(tmp_path / "a.obj").triangles == 2
+        assert load_mesh_file(tmp_path / "a.obj").triangles == 2
     assert "drawn without 'my.mtl'" in caplog.text
 
 
@@ -360,7 +360,7 @@ def test_obj_materials(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_cube_keeps_its_edges(suffix: str, tmp_path: Path) -> None:
     mesh = trimesh.creation.box()
-    draw = one(load(written(tmp_path, mesh, suffix)))
+    draw = one(load_mesh_file(written(tmp_path, mesh, suffix)))
     assert len(draw.positions) == 24 and draw.normals is not None
     np.testing.assert_allclose(np.abs(draw.normals).max(1), 1, atol=1e-6)
     a, b, c = (draw.positions[draw.triangles[:, k]] for k in range(3))
@@ -372,8 +372,8 @@ def test_cube_keeps_its_edges(suffix: str, tmp_path: Path) -> None:
 
 def test_crease_angle(tmp_path: Path) -> None:
     path = written(tmp_path, trimesh.creation.box(), "ply")
-    assert len(one(load(path, crease=np.radians(100))).positions) == 8, "edges of 90 degrees are smooth now"
-    assert one(load(path, crease=0)).normals is None
+    assert len(one(load_mesh_file(path, crease=np.radians(100))).positions) == 8, "edges of 90 degrees are smooth now"
+    assert one(load_mesh_file(path, crease=0)).normals is None
 
 
 @pytest.mark.parametrize("suffix", ["glb", "ply", "obj"])
@@ -382,7 +382,7 @@ def test_file_normals_are_kept(suffix: str, tmp_path: Path) -> None:
     tilted = np.tile(np.array([[0.6, 0, 0.8]]), (3, 1))
     mesh.vertex_normals = tilted
     options = {"vertex_normal": True} if suffix == "ply" else {"include_normals": True}
-    draw = one(load(written(tmp_path, mesh, suffix, **options)))
+    draw = one(load_mesh_file(written(tmp_path, mesh, suffix, **options)))
     assert draw.normals is not None
     np.testing.assert_allclose(draw.normals, tilted, atol=1e-6)
 
@@ -481,7 +481,7 @@ def test_gltf_cameras(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     path = tmp_path / "a.glb"
     path.write_bytes(glb(content))
     with caplog.at_level("WARNING"):
-        scene = load(path)
+        scene = load_mesh_file(path)
     assert scene.triangles == 1 and "'broken' is unusable" in caplog.text
     wide, plan, long = scene.cameras
     assert [camera.name for camera in scene.cameras] == ["wide", "plan", "long"]
@@ -511,7 +511,7 @@ def test_trimesh_things_only() -> None:
 
 def test_double_sided(tmp_path: Path, any_renderer: Any) -> None:
     """Faces are seen from both sides, mirrored ones too, with the normal turned to the viewer."""
-    from ssao_gl.camera import Camera, look_at
+    from ssao_gl.scene.camera import Camera, look_at
 
     mesh = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]], process=False)
     mirror = trimesh.Scene()
@@ -535,9 +535,9 @@ def test_export_round_trip_of_a_scene(tmp_path: Path) -> None:
             place[:3, 3] = rng.uniform(-4, 4, 3)
             scene.geometry[name] = mesh
             scene.graph.update(frame_to=f"{name}{k}", matrix=place, geometry=name)
-    loaded = load(written(tmp_path, scene, "glb"))
-    assert sorted(draw.name for draw in loaded.draws) == ["ball", "box", "cone"]
-    found = np.concatenate([corners(draw) for draw in loaded.draws])
+    loaded = load_mesh_file(written(tmp_path, scene, "glb"))
+    assert sorted(draw.name for draw in loaded.meshes) == ["ball", "box", "cone"]
+    found = np.concatenate([corners(draw) for draw in loaded.meshes])
     np.testing.assert_allclose(sorted_rows(found), sorted_rows(scene.to_mesh().triangles), atol=3e-4)
     assert (loaded.bounds[0] <= scene.bounds[0] + 1e-5).all() and (loaded.bounds[1] >= scene.bounds[1] - 1e-5).all()
 
@@ -547,6 +547,6 @@ def test_open_file_objects_are_closed(tmp_path: Path) -> None:
     path = written(tmp_path, trimesh.creation.box(), "stl")
     handles = len(list(Path("/proc/self/fd").iterdir())) if Path("/proc/self/fd").exists() else 0
     for _ in range(5):
-        load(path)
+        load_mesh_file(path)
     if handles:
         assert len(list(Path("/proc/self/fd").iterdir())) <= handles

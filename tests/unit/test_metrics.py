@@ -9,7 +9,20 @@ import pytest
 
 from ssao_gl import Camera
 from ssao_gl.errors import FormatError, SettingsError
-from ssao_gl.metrics import bias, border_band, dilated, edge_band, flip, maximum, measure, noise, percentile, psnr, rmse, ssim
+from ssao_gl.metrics.visibility import (
+    bias,
+    border_band,
+    dilated,
+    edge_band,
+    flip,
+    maximum,
+    measure,
+    noise,
+    percentile,
+    psnr,
+    rmse,
+    ssim,
+)
 
 SHAPE = (60, 80)
 DEPTH = np.full(SHAPE, 2.0)

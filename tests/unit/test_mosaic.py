@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ssao_gl import mosaic as module
 from ssao_gl.errors import FormatError
-from ssao_gl.mosaic import Mosaic
-from ssao_gl.tiles import Layout
+from ssao_gl.tiling import canvas as module
+from ssao_gl.tiling.canvas import TileCanvas
+from ssao_gl.tiling.layout import Layout
 
 SIZE = (40, 50)
 TILES = Layout(SIZE, (16, 32), 0, 0).tiles()
@@ -31,7 +31,7 @@ def piece(index: int) -> dict[str, np.ndarray]:
 
 def filled(folder: Path, identity: str, until: int) -> list[int]:
     """Add tiles up to ``until``; gives the ones that were missing."""
-    with Mosaic(folder, SIZE, identity) as made:
+    with TileCanvas(folder, SIZE, identity) as made:
         missing = list(range(made.done, until))
         for index in missing:
             made.notes = {"last": index}
@@ -42,7 +42,7 @@ def filled(folder: Path, identity: str, until: int) -> list[int]:
 def test_tiles_become_the_whole(tmp_path: Path) -> None:
     folder = tmp_path / "w"
     assert filled(folder, "x", len(TILES)) == list(range(6))
-    with Mosaic(folder, SIZE, "x") as made:
+    with TileCanvas(folder, SIZE, "x") as made:
         assert made.done == len(TILES) and made.notes == {"last": 5}
         for name, array in WHOLE.items():
             np.testing.assert_array_equal(np.concatenate(list(made.bands(name))), array)
@@ -61,7 +61,7 @@ def test_the_file_is_what_numpy_writes(tmp_path: Path) -> None:
 def test_bands_are_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     filled(tmp_path / "w", "x", len(TILES))
     monkeypatch.setattr(module, "BAND_BYTES", 1000)
-    with Mosaic(tmp_path / "w", SIZE, "x") as made:
+    with TileCanvas(tmp_path / "w", SIZE, "x") as made:
         bands = list(made.bands("a"))
         assert {len(band) for band in bands} == {6, 2} and made.band("a") == 6
         np.testing.assert_array_equal(np.concatenate(bands), WHOLE["a"])
@@ -70,7 +70,7 @@ def test_bands_are_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 def test_it_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert filled(tmp_path / "w", "x", 2) == [0, 1]
     assert filled(tmp_path / "w", "x", 6) == [2, 3, 4, 5]
-    with Mosaic(tmp_path / "w", SIZE, "x") as made:
+    with TileCanvas(tmp_path / "w", SIZE, "x") as made:
         np.testing.assert_array_equal(np.load(made.path("a")), WHOLE["a"])
 
 
@@ -95,7 +95,7 @@ def test_another_picture_and_damage_begin_anew(tmp_path: Path, damage: str) -> N
 
 
 def test_nothing_stays_when_nothing_was_drawn(tmp_path: Path) -> None:
-    with pytest.raises(RuntimeError), Mosaic(tmp_path / "w", SIZE, "x"):
+    with pytest.raises(RuntimeError), TileCanvas(tmp_path / "w", SIZE, "x"):
         raise RuntimeError
     assert not (tmp_path / "w").exists()
 
@@ -103,15 +103,15 @@ def test_nothing_stays_when_nothing_was_drawn(tmp_path: Path) -> None:
 def test_a_tile_counts_when_it_is_all_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A disk that fills up in the middle of a tile: one line, and the tiles before are kept."""
     filled(tmp_path / "w", "x", 2)
-    put = Mosaic._put
+    put = TileCanvas._put
 
-    def full(self: Mosaic, name: str, *rest: object) -> None:
+    def full(self: TileCanvas, name: str, *rest: object) -> None:
         if name == "b":
             raise OSError(28, "No space left on device")
         put(self, name, *rest)  # type: ignore[arg-type]
 
     with monkeypatch.context() as patch, pytest.raises(FormatError, match="No space left on device; the 2 tiles before"):
-        patch.setattr(Mosaic, "_put", full)
+        patch.setattr(TileCanvas, "_put", full)
         filled(tmp_path / "w", "x", 6)
     assert json.loads((tmp_path / "w" / module.STATE).read_text())["done"] == 2
     assert filled(tmp_path / "w", "x", 6) == [2, 3, 4, 5]
@@ -126,14 +126,14 @@ def test_room_is_asked_for_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 
 def test_one_process_at_a_time(tmp_path: Path) -> None:
-    with Mosaic(tmp_path / "w", SIZE, "x") as made:
+    with TileCanvas(tmp_path / "w", SIZE, "x") as made:
         made.add(TILES[0].inner, piece(0))
         with pytest.raises(FormatError, match="another ssao-gl is drawing this picture"):
-            Mosaic(tmp_path / "w", SIZE, "x")
+            TileCanvas(tmp_path / "w", SIZE, "x")
     assert filled(tmp_path / "w", "x", 2) == [1]
 
 
 def test_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(FormatError, match="cannot make the folder"):
-        Mosaic(tmp_path / "file" / "w", SIZE, "x")
+        TileCanvas(tmp_path / "file" / "w", SIZE, "x")

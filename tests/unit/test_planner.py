@@ -15,17 +15,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import ssao_gl as ao
-from ssao_gl import sources
-from ssao_gl.config import preset
-from ssao_gl.gl.frame import Drawn
-from ssao_gl.pipeline import plan_render
-from ssao_gl.planner import calibration, errors
+from ssao_gl.glsl import preprocess
+from ssao_gl.graph.regions import DrawRegion
+from ssao_gl.pipeline.build import plan_render
+from ssao_gl.pipeline.presets import preset
+from ssao_gl.planner import calibration, error_model
 from ssao_gl.planner.candidates import CANDIDATES, FAMILIES, PROBES, chosen_from, differing
 from ssao_gl.planner.choice import Prediction, Target, choose
-from ssao_gl.planner.cost import DRAWN, Framed, Measured, Rate, Work, fitted
+from ssao_gl.planner.cost_model import DRAWN, CostRate, Measured, PassWork, PlannedFrame, fitted
+from ssao_gl.planner.features import ViewFeatures, off_plane, view_features
 from ssao_gl.planner.plan import COARSE, DEEP, FINE
-from ssao_gl.planner.signs import Signs, off_plane, signs
-from ssao_gl.view import View
+from ssao_gl.scene.projection import ViewConstants
 
 from ..command_line import refused
 
@@ -132,44 +132,44 @@ def test_what_would_be_overruled_is_named() -> None:
 
 # costs
 
-rates = st.builds(Rate, *[st.floats(0.0, 1e3)] * 4)
+rates = st.builds(CostRate, *[st.floats(0.0, 1e3)] * 4)
 
 
 @given(rates)
-def test_rates_are_found_again(rate: Rate) -> None:
+def test_rates_are_found_again(rate: CostRate) -> None:
     places = [(0.03, 0.03), (0.25, 0.25), (0.25, 0.03)]
-    frames = [Work(area, shaded, taps * shaded) for area, shaded in places for taps in (5, 10)]
+    frames = [PassWork(area, shaded, taps * shaded) for area, shaded in places for taps in (5, 10)]
     found = fitted([(one, max(rate.ms(one), 1e-3)) for one in frames])
-    for one in (*frames, Work(1.0, 0.5, 10)):
+    for one in (*frames, PassWork(1.0, 0.5, 10)):
         assert found.ms(one) == pytest.approx(rate.ms(one), rel=1e-3, abs=0.02)
 
 
 @given(st.lists(st.tuples(positive, positive, positive, positive), min_size=1, max_size=6))
 def test_no_part_of_a_rate_is_negative(runs: list[tuple[float, float, float, float]]) -> None:
-    found = fitted([(Work(area, min(area, shaded), taps), ms) for area, shaded, taps, ms in runs])
+    found = fitted([(PassWork(area, min(area, shaded), taps), ms) for area, shaded, taps, ms in runs])
     assert min(dataclasses.astuple(found)) >= 0
 
 
-NOWHERE = Drawn(inside=None, covered=None)
+NOWHERE = DrawRegion(inside=None, covered=None)
 SETTINGS = ao.Settings(method=CANDIDATES["bitmask medium"][1].made(1.0))
 PLAN = plan_render(SETTINGS, (640, 360))
-FRAMED = Framed(PLAN, NOWHERE, "bitmask", 10)
+FRAMED = PlannedFrame(PLAN, NOWHERE, "bitmask", 10)
 
 
 def test_work_goes_by_what_is_drawn_and_covered() -> None:
     found = FRAMED.works(0.25)
-    assert found["gbuffer"] == Work(0.2304, 0.2304), "not tested"
-    assert found["bitmask"] == Work(0.0576, 0.0144, 0.144), "at half size, a quarter of it, ten taps each"
-    inside = Drawn(inside=(16, 16, 608, 328), covered=None)
+    assert found["gbuffer"] == PassWork(0.2304, 0.2304), "not tested"
+    assert found["bitmask"] == PassWork(0.0576, 0.0144, 0.144), "at half size, a quarter of it, ten taps each"
+    inside = DrawRegion(inside=(16, 16, 608, 328), covered=None)
     area = dataclasses.replace(FRAMED, drawn=inside).works(1.0)["bitmask"].area
     assert area == pytest.approx(312e-6 * 172), "with a margin for later passes"
-    strip = dataclasses.replace(FRAMED, drawn=Drawn(inside=None, covered=(0, 0, 640, 36)))
+    strip = dataclasses.replace(FRAMED, drawn=DrawRegion(inside=None, covered=(0, 0, 640, 36)))
     assert dataclasses.astuple(strip.works(0.5)["bitmask"]) == pytest.approx((0.00576, 0.00576, 0.0576))
 
 
 def test_a_frame_predicts_itself_and_what_its_rates_say_of_others() -> None:
     ms = {step.task.name: 1.0 + i for i, step in enumerate(PLAN.steps)}
-    known = {name: Rate(0, 10, 0) for name in ms if name not in DRAWN} | {"bitmask": Rate(0, 0, 0, 1)}
+    known = {name: CostRate(0, 10, 0) for name in ms if name not in DRAWN} | {"bitmask": CostRate(0, 0, 0, 1)}
     frame = Measured.of(FRAMED, ms, 1.0, known)
     assert frame.predict(FRAMED, known) == pytest.approx(sum(ms.values()))
     dearer = frame.predict(dataclasses.replace(FRAMED, taps=20), known)
@@ -182,8 +182,8 @@ def test_a_frame_predicts_itself_and_what_its_rates_say_of_others() -> None:
 def test_a_frame_says_what_it_knows_nothing_of() -> None:
     ms = dict.fromkeys((step.task.name for step in PLAN.steps), 1.0)
     plan = plan_render(ao.Settings(method=CANDIDATES["bitmask ultra"][1].made(1.0)), (640, 360), triangles=12)
-    surrounded = Framed(plan, NOWHERE, "bitmask", 12)
-    known = {step.task.name: Rate(0, 1, 0) for step in plan.steps if "block" not in step.task.name}
+    surrounded = PlannedFrame(plan, NOWHERE, "bitmask", 12)
+    known = {step.task.name: CostRate(0, 1, 0) for step in plan.steps if "block" not in step.task.name}
     frame = Measured.of(FRAMED, ms, 1.0, known)
     assert not frame.lacks(FRAMED, known) and frame.lacks(surrounded, known)
     other = Measured.of(surrounded, {step.task.name: 2.0 for step in plan.steps}, 1.0, known).beside(frame)
@@ -194,8 +194,8 @@ def test_a_frame_says_what_it_knows_nothing_of() -> None:
 
 
 def test_the_table_knows_every_candidate() -> None:
-    for layers, named in errors.SIGNS.items():
-        rows = errors.table()[str(layers)]
+    for layers, named in error_model.SIGNS.items():
+        rows = error_model.error_weights()[str(layers)]
         assert set(rows) == {c.name for c in chosen_from([], layers)}
         for row in rows.values():
             assert set(row["weights"]) == set(named) and min(row["weights"].values()) >= 0 and sum(row["weights"].values()) > 0
@@ -203,18 +203,20 @@ def test_the_table_knows_every_candidate() -> None:
 
 
 def test_better_presets_have_less_error() -> None:
-    rows = errors.table()["2"]
+    rows = error_model.error_weights()["2"]
     order = [rows[f"bitmask {name}"]["mean_rmse"] for name in ("draft", "low", "medium", "high", "ultra")]
     assert order == sorted(order, reverse=True)
 
 
 def test_nothing_is_wrong_where_nothing_is_seen() -> None:
-    empty = signs(*[np.ones((4, 6), np.float32)] * 3, np.zeros((4, 6), np.float32), np.zeros((4, 6, 3), np.float32), VIEW, 1.0)
-    assert empty == Signs(0, 0, 0, 0)
-    assert all(errors.predicted(name, empty, 2) == 0 for name in CANDIDATES)
+    empty = view_features(
+        *[np.ones((4, 6), np.float32)] * 3, np.zeros((4, 6), np.float32), np.zeros((4, 6, 3), np.float32), VIEW, 1.0
+    )
+    assert empty == ViewFeatures(0, 0, 0, 0)
+    assert all(error_model.predicted(name, empty, 2) == 0 for name in CANDIDATES)
 
 
-VIEW = View((6, 4), ao.Camera.perspective(0.9, 0.1, 10).view((6, 4)).projection)
+VIEW = ViewConstants((6, 4), ao.Camera.perspective(0.9, 0.1, 10).view((6, 4)).projection)
 
 
 def test_a_plane_is_not_rough_and_a_step_is() -> None:
@@ -236,9 +238,9 @@ def test_signs_are_what_pictures_differ_by() -> None:
     fine = np.full((4, 6), 0.8, np.float32)
     coarse, deep = fine + 0.1, fine - 0.2
     coarse[:, 0] = deep[:, 0] = 0  # background counts nothing
-    found = signs(fine, coarse, deep, depth, normals, VIEW, 1.0)
+    found = view_features(fine, coarse, deep, depth, normals, VIEW, 1.0)
     assert (found.sampling, found.hidden, found.rough) == pytest.approx((0.1, 0.2, 0), abs=1e-6)
-    assert signs(fine, coarse, None, depth, normals, VIEW, 1.0).hidden == 0
+    assert view_features(fine, coarse, None, depth, normals, VIEW, 1.0).hidden == 0
 
 
 # cache
@@ -254,8 +256,8 @@ def renderer(**changes: str) -> Any:
 
 def test_the_key_goes_by_driver_version_and_shaders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     copy = tmp_path / "shaders"
-    shutil.copytree(sources.root(), copy)
-    monkeypatch.setattr(sources, "root", lambda: copy)
+    shutil.copytree(preprocess.root(), copy)
+    monkeypatch.setattr(preprocess, "root", lambda: copy)
     before = calibration.key(driver())
     assert calibration.key(driver()) == before
     for change in ("provider", "renderer", "version"):
@@ -273,9 +275,9 @@ def probes(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Counts probes, which draw nothing here."""
     drawn: list[str] = []
 
-    def probe(of: Any) -> dict[str, dict[str, Rate]]:
+    def probe(of: Any) -> dict[str, dict[str, CostRate]]:
         drawn.append(of.ctx.renderer)
-        return {family.name: {"bitmask": Rate(1, 2, 3, 4)} for family in FAMILIES}
+        return {family.name: {"bitmask": CostRate(1, 2, 3, 4)} for family in FAMILIES}
 
     monkeypatch.setattr(calibration, "probe", probe)
     return drawn

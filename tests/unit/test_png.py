@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 from PIL import Image
 
-from ssao_gl import images, png
 from ssao_gl.errors import FormatError
+from ssao_gl.io import images, png_stream
 
 RNG = np.random.default_rng(3)
 
@@ -22,7 +22,7 @@ RNG = np.random.default_rng(3)
 def encoded(array: np.ndarray, rows: int, texts: dict[str, str] | None = None) -> bytes:
     out = io.BytesIO()
     bands = (array[top : top + rows] for top in range(0, len(array), rows))
-    png.write(out, array.shape[1::-1], bands, texts)  # type: ignore[arg-type]
+    png_stream.write_png_rows(out, array.shape[1::-1], bands, texts)  # type: ignore[arg-type]
     return out.getvalue()
 
 
@@ -58,7 +58,7 @@ def test_every_filter_is_used_and_undone() -> None:
 def test_the_same_picture_and_texts_as_written_whole(tmp_path: Path) -> None:
     array = RNG.integers(0, 256, (30, 20, 3)).astype(np.uint8)
     texts = {"Software": "ssao_gl", "ssao_gl:settings": '{"a": 1}', "umlaut": "ä", "beyond latin": "ε"}
-    images.save(tmp_path / "whole.png", array, texts=texts)
+    images.save_image(tmp_path / "whole.png", array, texts=texts)
     (tmp_path / "bands.png").write_bytes(encoded(array, 7, texts))
     with Image.open(tmp_path / "whole.png") as whole, Image.open(tmp_path / "bands.png") as bands:
         assert whole.info == bands.info and whole.mode == bands.mode
@@ -77,9 +77,9 @@ def test_the_bytes_depend_on_the_rows_and_not_on_the_bands() -> None:
 )
 def test_bands_that_do_not_fit(band: Any) -> None:
     with pytest.raises(FormatError, match="a band of a PNG 5 pixels wide"):
-        png.write(io.BytesIO(), (5, 2), [band])
+        png_stream.write_png_rows(io.BytesIO(), (5, 2), [band])
 
 
 def test_a_wrong_number_of_rows() -> None:
     with pytest.raises(FormatError, match="got 3 rows"):
-        png.write(io.BytesIO(), (5, 4), [np.zeros((3, 5), np.uint8)])
+        png_stream.write_png_rows(io.BytesIO(), (5, 4), [np.zeros((3, 5), np.uint8)])

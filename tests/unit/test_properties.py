@@ -15,10 +15,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.stats import qmc
 
-from ssao_gl.camera import Camera, Part
 from ssao_gl.errors import SettingsError
-from ssao_gl.kernel import Kernel, Rotation, bayer, radical_inverse
-from ssao_gl.view import Matrix, View
+from ssao_gl.sampling.disk import Kernel, Rotation, bayer, radical_inverse
+from ssao_gl.scene.camera import Camera, CropLens
+from ssao_gl.scene.projection import Matrix, ViewConstants
 
 SIDES = st.integers(1, 5000)
 SIZES = st.tuples(SIDES, SIDES)
@@ -71,17 +71,17 @@ def cameras(draw: st.DrawFn) -> Camera:
         camera = Camera.from_matrix(matrix, clip=clip)
     if draw(st.booleans()):
         corner = draw(st.integers(-50, 5000)), draw(st.integers(-50, 5000))
-        camera = dataclasses.replace(camera, lens=Part(camera.lens, draw(SIZES), corner))
+        camera = dataclasses.replace(camera, lens=CropLens(camera.lens, draw(SIZES), corner))
     return camera
 
 
-def project(view: View, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def project(view: ViewConstants, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Normalised device coordinates (n, 3), and clip w."""
     clip = np.column_stack([points, np.ones(len(points))]) @ view.projection.T
     return clip[:, :3] / clip[:, 3:], clip[:, 3]
 
 
-def unproject(view: View, uv: np.ndarray, z: np.ndarray) -> np.ndarray:
+def unproject(view: ViewConstants, uv: np.ndarray, z: np.ndarray) -> np.ndarray:
     """View-space points (n, 3) by the constants that shaders get."""
     c = view.constants
     xy = (uv @ np.reshape(c["u_ray"], (2, 2)) + c["u_ray0"]) * z[:, None]
@@ -92,7 +92,7 @@ UV = st.lists(st.tuples(st.floats(0, 1), st.floats(0, 1)), min_size=1, max_size=
 DEPTH = st.floats(0, 1)
 
 
-def between(view: View, share: float) -> float:
+def between(view: ViewConstants, share: float) -> float:
     """A depth between the clip planes, evenly in its logarithm where they allow that."""
     near, far = view.near, min(view.far, max(1e6 * abs(view.near), view.near + 1))
     return near * (far / near) ** share if near > 0 else near + (far - near) * share
@@ -199,7 +199,7 @@ def test_a_part_of_an_image_has_its_rays(
     camera: Camera, whole: tuple[int, int], corner: tuple[int, int], size: tuple[int, int], uv: np.ndarray, share: float
 ) -> None:
     """Tiles, and images with a border, see what the whole image sees at the same pixel."""
-    view, part = camera.view(whole), Camera(Part(camera.lens, whole, corner)).view(size)
+    view, part = camera.view(whole), Camera(CropLens(camera.lens, whole, corner)).view(size)
     z = np.full(len(uv), between(view, share))
     there = (np.array(corner) + uv * size) / whole
     a, b = unproject(part, uv, z), unproject(view, there, z)

@@ -8,7 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ssao_gl.errors import GraphError
-from ssao_gl.graph import Pass, Plan, Slot, Test, Tex, compile
+from ssao_gl.graph.declare import DepthTest, Pass, Texture
+from ssao_gl.graph.frame_graph import compile
+from ssao_gl.graph.plan import Plan, Slot
 
 FORMATS = ["r8", "rgba8", "r32f"]
 Graph = tuple[list[Pass], list[str], list[str]]
@@ -22,7 +24,7 @@ def nothing(_: object) -> None:
 def graphs(draw: st.DrawFn) -> Graph:
     """Passes in any order, outputs, inputs. Mostly valid: what a pass needs is written by one before it."""
     inputs = [f"in{i}" for i in range(draw(st.integers(0, 2)))]
-    known: dict[str, Tex] = {}
+    known: dict[str, Texture] = {}
     depths: dict[str, float] = {}
     passes = []
     for number in range(draw(st.integers(1, 9))):
@@ -30,7 +32,7 @@ def graphs(draw: st.DrawFn) -> Graph:
         pool = [*inputs, *known]
         reads = tuple(draw(st.lists(st.sampled_from(pool), max_size=3)) if pool else ())
         names = [f"r{number}{letter}" for letter in "abc"[: draw(st.integers(1, 3))]]
-        writes = {name: Tex(draw(st.sampled_from(FORMATS)), scale) for name in names}
+        writes = {name: Texture(draw(st.sampled_from(FORMATS)), scale) for name in names}
         over, test, depth = {}, None, None
         kind = draw(st.sampled_from(["plain", "plain", "depth", "over", "test", "over and test"]))
         if kind == "depth":
@@ -42,7 +44,7 @@ def graphs(draw: st.DrawFn) -> Graph:
             writes[names[0]] = known[under]
         fitting = [name for name in depths if depths[name] == scale]
         if "test" in kind and fitting:
-            test = Test(draw(st.sampled_from(fitting)), draw(st.booleans()), draw(st.booleans()))
+            test = DepthTest(draw(st.sampled_from(fitting)), draw(st.booleans()), draw(st.booleans()))
         passes.append(Pass(f"p{number}", reads, writes, nothing, depth, test, over))
         known |= writes
         depths |= {depth: scale} if depth else {}
@@ -140,12 +142,12 @@ def wrong(draw: st.DrawFn) -> Graph:
     name = draw(st.sampled_from(names))
     changes = [
         {"reads": (*task.reads, name)},
-        {"writes": {name: Tex("r8")}},
+        {"writes": {name: Texture("r8")}},
         {"writes": {}},
-        {"writes": {**task.writes, "x": Tex("r9")}},
-        {"writes": {**task.writes, "x": Tex("r8", 0.25)}},
+        {"writes": {**task.writes, "x": Texture("r9")}},
+        {"writes": {**task.writes, "x": Texture("r8", 0.25)}},
         {"over": {next(iter(task.writes)): name}},
-        {"test": Test(name)},
+        {"test": DepthTest(name)},
         {"depth": name},
         {"name": passes[0].name},
     ]

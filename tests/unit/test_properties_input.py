@@ -15,20 +15,20 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from ssao_gl.adapters.camera_files import load_camera, load_cameras
-from ssao_gl.camera import Camera
 from ssao_gl.cli.output import check_output, parse_size, parse_vector
-from ssao_gl.config import read_toml, settings_from
 from ssao_gl.errors import SceneError, SettingsError, SsaoError
-from ssao_gl.files import check_writable, unreadable
-from ssao_gl.inputs import check_arrays, check_size
-from ssao_gl.kernel import Kernel, Rotation
-from ssao_gl.methods import registry
-from ssao_gl.passes.blur import BLURS
-from ssao_gl.pipeline import Settings, Shading
+from ssao_gl.io.atomic import check_writable, why_unreadable
+from ssao_gl.loaders.camera_files import load_camera, load_cameras
+from ssao_gl.methods.registry import registry
+from ssao_gl.passes.denoise import FILTERS
+from ssao_gl.pipeline.presets import read_toml, settings_from
+from ssao_gl.pipeline.settings import Settings, Shading
+from ssao_gl.render.arrays import check_arrays, check_size
+from ssao_gl.sampling.disk import Kernel, Rotation
+from ssao_gl.scene.camera import Camera
 from ssao_gl.settings import as_table, assign, limits, validate
 
-RECORDS = [*registry().values(), *BLURS.values(), Shading, Kernel, Rotation]
+RECORDS = [*registry().values(), *FILTERS.values(), Shading, Kernel, Rotation]
 one_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 PRINTABLE = st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"])
@@ -107,7 +107,7 @@ KEYS = st.one_of(
     st.text(PRINTABLE, max_size=5),
 )
 TABLES = st.dictionaries(GROUPS, st.one_of(SCALARS, st.dictionaries(KEYS, VALUES, max_size=3)), max_size=4)
-NAMES = st.one_of(st.none(), st.sampled_from([*registry(), *BLURS, "none", ""]), st.text(PRINTABLE, max_size=6))
+NAMES = st.one_of(st.none(), st.sampled_from([*registry(), *FILTERS, "none", ""]), st.text(PRINTABLE, max_size=6))
 ASSIGNMENTS = st.lists(
     st.one_of(
         st.text(PRINTABLE, max_size=10),
@@ -272,13 +272,13 @@ def test_any_output_name(tmp_path: Path, name: str, suffix: str) -> None:
     if ".." in path.parts:
         return
     before = sorted(tmp_path.rglob("*"))
-    assert refused(lambda: unreadable(path) or "fine", SsaoError)
+    assert refused(lambda: why_unreadable(path) or "fine", SsaoError)
     fine = refused(lambda: check_output("-o", path, (".png", ".npy", ".exr"), folder=True) or "fine", SsaoError)
     refused(lambda: check_writable(path), SsaoError)
     assert sorted(tmp_path.rglob("*")) == before
     if fine and path.suffix in (".png", ".npy"):
-        from ssao_gl import images
+        from ssao_gl.io import images
 
-        images.save(path, np.zeros((2, 2), np.uint8))
-        assert images.load(path).shape == (2, 2)
+        images.save_image(path, np.zeros((2, 2), np.uint8))
+        assert images.load_image(path).shape == (2, 2)
         path.unlink()

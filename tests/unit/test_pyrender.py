@@ -10,10 +10,10 @@ import pytest
 import trimesh
 
 import ssao_gl as ao
-from ssao_gl.adapters.pyrender import camera_from_pyrender, from_pyrender
-from ssao_gl.api import as_camera, as_scene
-from ssao_gl.camera import Orthographic, Perspective
-from ssao_gl.scene import Draw, Scene
+from ssao_gl.loaders.as_scene import as_camera, as_scene
+from ssao_gl.loaders.pyrender_scenes import camera_from_pyrender, from_pyrender
+from ssao_gl.scene.camera import Orthographic, Perspective
+from ssao_gl.scene.model import Mesh, Scene
 
 os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
 try:
@@ -70,30 +70,30 @@ def test_poses_and_instances_are_kept_as_instances() -> None:
     node = pyrender.Node(matrix=trimesh.transformations.translation_matrix((0, 5, 0)))
     scene.add_node(node)
     scene.add(box(poses=poses), pose=trimesh.transformations.rotation_matrix(0.5, (0, 0, 1)), parent_node=node)
-    (draw,) = from_pyrender(scene).draws
+    (draw,) = from_pyrender(scene).meshes
     assert draw.transforms.shape == (3, 4, 4) and len(draw.triangles) == 12
     expected = trimesh.transformations.translation_matrix((0, 5, 0)) @ trimesh.transformations.rotation_matrix(0.5, (0, 0, 1))
     np.testing.assert_allclose(draw.transforms, expected @ poses, atol=1e-12)
 
 
 def test_smooth_and_flat() -> None:
-    (smooth,), (flat,) = (from_pyrender(scene_of(box(smooth=s))).draws for s in (True, False))
+    (smooth,), (flat,) = (from_pyrender(scene_of(box(smooth=s))).meshes for s in (True, False))
     assert smooth.normals is not None and len(smooth.positions) < len(flat.positions) == 36
     assert flat.normals is not None
     np.testing.assert_allclose(np.abs(flat.normals).max(1), 1, atol=1e-6)
     bare = pyrender.Mesh([pyrender.Primitive(positions=np.eye(3), mode=4)])
-    (draw,) = from_pyrender(scene_of(bare)).draws
+    (draw,) = from_pyrender(scene_of(bare)).meshes
     assert draw.normals is None and draw.triangles.tolist() == [[0, 1, 2]]
 
 
 def test_colours() -> None:
     red = pyrender.MetallicRoughnessMaterial(baseColorFactor=[0.5, 0.0, 1.0, 1.0])
-    (draw,) = from_pyrender(scene_of(box(material=red))).draws
+    (draw,) = from_pyrender(scene_of(box(material=red))).meshes
     np.testing.assert_allclose(draw.color, (0.7353, 0, 1), atol=1e-3)  # factors are linear, ours are sRGB
     assert draw.vertex_colors is None
     painted = trimesh.creation.box()
     painted.visual.vertex_colors = [10, 20, 30, 255]
-    (draw,) = from_pyrender(scene_of(pyrender.Mesh.from_trimesh(painted))).draws
+    (draw,) = from_pyrender(scene_of(pyrender.Mesh.from_trimesh(painted))).meshes
     assert draw.vertex_colors is not None and (draw.vertex_colors == [10, 20, 30, 255]).all()
 
 
@@ -103,7 +103,7 @@ def test_a_texture_is_sampled_at_the_vertices() -> None:
     material = pyrender.MetallicRoughnessMaterial(baseColorTexture=pyrender.Texture(source=image, source_channels="RGB"))
     uv = np.array([[0.1, 0.9], [0.9, 0.1], [0.1, 0.1]])
     mesh = pyrender.Mesh([pyrender.Primitive(positions=np.eye(3), texcoord_0=uv, material=material, mode=4)])
-    (draw,) = from_pyrender(scene_of(mesh)).draws
+    (draw,) = from_pyrender(scene_of(mesh)).meshes
     assert draw.vertex_colors is not None
     assert draw.vertex_colors.tolist() == [[255, 0, 0, 255], [0, 0, 255, 255], [0, 0, 0, 255]]
 
@@ -112,7 +112,7 @@ def test_invisible_meshes_points_and_strays_are_left_out() -> None:
     hidden = box(is_visible=False)
     points = pyrender.Mesh.from_points(np.eye(3))
     stray = pyrender.Mesh([pyrender.Primitive(positions=np.arange(12.0).reshape(4, 3), mode=4)])
-    assert len(from_pyrender(scene_of(hidden, points, box())).draws) == 1
+    assert len(from_pyrender(scene_of(hidden, points, box())).meshes) == 1
     assert from_pyrender(scene_of(stray)).triangles == 1  # a fourth vertex makes no triangle
     for meshes in ((), (hidden,), (points,)):
         with pytest.raises(ao.SceneError, match="the pyrender scene has no triangles to draw"):
@@ -147,7 +147,7 @@ def test_the_same_picture_as_our_own_scene(any_renderer: ao.Renderer) -> None:
         camera=pyrender.PerspectiveCamera(yfov=0.9, znear=0.5, zfar=20.0),
     )
     draws = [
-        Draw(
+        Mesh(
             m.vertices[m.faces].reshape(-1, 3).astype(np.float32),
             np.arange(36, dtype=np.uint32).reshape(-1, 3),
             np.repeat(m.face_normals, 3, axis=0).astype(np.float32),

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from ssao_gl.errors import SettingsError
+from ssao_gl.experiment import fit, pareto, pictures, points, statistics, timing, variants
+from ssao_gl.experiment.sweep import split_size
 from ssao_gl.gl.timer import PassTime
-from ssao_gl.report import compare, fit, labels, markdown, numbers, pareto, pictures, points, tables, timing, variants
-from ssao_gl.report.sweep import split_size
+from ssao_gl.io.json_values import to_json
+from ssao_gl.report import compare, labels, markdown, tables
 
 
 def test_front_is_what_nothing_beats() -> None:
@@ -93,12 +95,12 @@ def test_comparison_names_regressions_only_beyond_the_limit() -> None:
 
 def test_exponent_of_a_power_law() -> None:
     sizes = [1e4, 1e5, 1e6]
-    assert numbers.exponent(sizes, [3 * s**0.9 for s in sizes]) == pytest.approx(0.9)
-    assert numbers.exponent([5, 5], [1, 2]) is None
+    assert statistics.exponent(sizes, [3 * s**0.9 for s in sizes]) == pytest.approx(0.9)
+    assert statistics.exponent([5, 5], [1, 2]) is None
 
 
 def test_plain_has_no_infinities() -> None:
-    assert numbers.plain({"a": (np.float32(1), math.inf, math.nan), 2: np.arange(2)}) == {"a": [1.0, None, None], "2": [0, 1]}
+    assert to_json({"a": (np.float32(1), math.inf, math.nan), 2: np.arange(2)}) == {"a": [1.0, None, None], "2": [0, 1]}
 
 
 def test_rounds_are_interleaved_and_the_first_is_dropped() -> None:
@@ -180,7 +182,7 @@ def test_markdown_grid_aligns_numbers_and_escapes() -> None:
 def test_names_do_not_cover_each_other() -> None:
     at = np.array([[100.0, 100], [104, 101], [108, 99], [110, 104]])
     sizes = np.full((4, 2), (60.0, 12.0))
-    corners = labels.spread(at, sizes, (0, 0, 300, 300), [np.array([[0.0, 100], [300, 100]])])
+    corners = labels.place_labels(at, sizes, (0, 0, 300, 300), [np.array([[0.0, 100], [300, 100]])])
     boxes = np.concatenate([corners, corners + sizes], 1)
     assert (labels.overlap(boxes, boxes) - np.diag([720.0] * 4)).max() == 0
     assert corners.min() >= 0 and (corners + sizes).max() <= 300

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ssao_gl.errors import FormatError
-from ssao_gl.report.journal import NAME, Journal
+from ssao_gl.io.journal import NAME, Journal
 
 HEADER = {"code": "1", "size": (2, 3)}
 SEEN = {"v": "hash"}

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from ssao_gl.cli import main
-from ssao_gl.report.rules import SUBJECTS
-from ssao_gl.report.run import Run
+from ssao_gl.experiment.culling_rules import SUBJECTS
+from ssao_gl.experiment.run import Run
 
 pytest.importorskip("embreex")
 pytest.importorskip("matplotlib")

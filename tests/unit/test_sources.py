@@ -7,34 +7,34 @@ from pathlib import Path
 
 import pytest
 
-from ssao_gl import sources
 from ssao_gl.cli.shader import defaults
 from ssao_gl.errors import ShaderError
+from ssao_gl.glsl import preprocess
 
 VALIDATOR = shutil.which("glslangValidator")
 
 
-def variants() -> list[tuple[str, dict[str, sources.Define], str]]:
+def variants() -> list[tuple[str, dict[str, preprocess.Define], str]]:
     found = []
-    for name in sources.names():
+    for name in preprocess.names():
         base = dict(defaults(name))
-        extras: list[dict[str, sources.Define]] = [{}, {"PACKED": 1}] if name.startswith("methods/") else [{}]
+        extras: list[dict[str, preprocess.Define]] = [{}, {"PACKED": 1}] if name.startswith("methods/") else [{}]
         if name == "linearize.frag":
             extras.append({"WINDOW_DEPTH": 1})
         if name == "composite.frag":
             extras.append({"DIRECT": 1})
         for extra in extras:
-            for dialect in sources.DIALECTS:
-                if dialect != "es100" or sources.speaks_es100(name, base | extra):
+            for dialect in preprocess.DIALECTS:
+                if dialect != "es100" or preprocess.speaks_es100(name, base | extra):
                     found.append((name, base | extra, dialect))
     return found
 
 
 @pytest.mark.skipif(VALIDATOR is None, reason="glslangValidator is not installed")
 @pytest.mark.parametrize(("name", "defines", "dialect"), variants())
-def test_every_variant_is_valid(name: str, defines: dict[str, sources.Define], dialect: str, tmp_path: Path) -> None:
+def test_every_variant_is_valid(name: str, defines: dict[str, preprocess.Define], dialect: str, tmp_path: Path) -> None:
     file = tmp_path / f"shader{Path(name).suffix}"
-    file.write_text(sources.build(name, defines, dialect).text)
+    file.write_text(preprocess.build(name, defines, dialect).text)
     assert VALIDATOR
     ran = subprocess.run([VALIDATOR, str(file)], capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stdout
@@ -47,7 +47,7 @@ def test_methods_and_simple_passes_exist_for_webgl1() -> None:
 
 
 def test_includes_come_once_and_lines_know_their_file() -> None:
-    source = sources.build("methods/alchemy.frag", {"SAMPLES": 4})
+    source = preprocess.build("methods/alchemy.frag", {"SAMPLES": 4})
     assert source.text.count("vec3 ssao_position(") == 1
     assert source.text.startswith("#version 300 es\n")
     line = next(i for i, text in enumerate(source.text.splitlines(), 1) if "ssao_decode_normal(vec2 e)" in text)
@@ -55,7 +55,7 @@ def test_includes_come_once_and_lines_know_their_file() -> None:
 
 
 def test_repeat_writes_the_line_out() -> None:
-    text = sources.build("blur_joint.frag", {"RADIUS": 3, "PACKED": 1}).text
+    text = preprocess.build("blur_joint.frag", {"RADIUS": 3, "PACKED": 1}).text
     assert text.count("u_weights[2 + 1]") == 2 and "#repeat" not in text
 
 
@@ -70,11 +70,11 @@ def test_repeat_writes_the_line_out() -> None:
 )
 def test_errors_say_what_to_do(name: str, dialect: str, message: str) -> None:
     with pytest.raises(ShaderError, match=re.escape(message)):
-        sources.build(name, {}, dialect)
+        preprocess.build(name, {}, dialect)
 
 
 def test_functions_of_the_library_carry_our_prefix() -> None:
     """So that a shader can be pasted into another program without clashes."""
-    for path in (sources.root() / "lib").glob("*.glsl"):
+    for path in (preprocess.root() / "lib").glob("*.glsl"):
         for name in re.findall(r"^(?:float|vec\d|mat\d|void|uint|bool)\s+(\w+)\s*\(", path.read_text(), re.M):
             assert name.startswith("ssao_"), f"{path.name}: {name}"

@@ -14,27 +14,29 @@ import pytest
 
 import ssao_gl as ao
 from ssao_gl.cli import main
-from ssao_gl.methods import Deviation
-from ssao_gl.stress import fuzz, listing, report
-from ssao_gl.stress.battery import ABSENT, DECLARED, FAIL, PASS, Row, judged, runs
-from ssao_gl.stress.case import Case, NotApplicable, cases
-from ssao_gl.stress.fields import ball, cast, flat, room, rounded, window_depth
-from ssao_gl.stress.lab import Broken
+from ssao_gl.methods.base import Deviation
+from ssao_gl.stress import case_table, fuzz, report
+from ssao_gl.stress.analytic_depth import as_half_floats, ball_depth, cast, flat, room, window_depth
+from ssao_gl.stress.case import Case
+from ssao_gl.stress.catalogue import cases
+from ssao_gl.stress.outcomes import NotApplicable
 from ssao_gl.stress.reduce import crop, smaller
+from ssao_gl.stress.runner import Broken
 from ssao_gl.stress.shapes import lens
 from ssao_gl.stress.shot import Shot, apart, share
-from ssao_gl.stress.subject import subjects
+from ssao_gl.stress.specimen import specimens
+from ssao_gl.stress.verdicts import ABSENT, DECLARED, FAIL, PASS, CaseResult, judged, runs
 
-PAGE = Path(listing.__file__).with_name("CASES.md")
+PAGE = Path(case_table.__file__).with_name("CASES.md")
 
 
 def test_the_page_of_cases_is_up_to_date() -> None:
     """Write it with: ssao-gl stress --list --markdown > ssao_gl/stress/CASES.md"""
-    assert PAGE.read_text("utf-8") == listing.markdown()
+    assert PAGE.read_text("utf-8") == case_table.case_table_markdown()
 
 
 def test_every_trap_has_a_case() -> None:
-    assert len(listing.TRAPS) == 45
+    assert len(case_table.TRAPS) == 45
     assert {trap for case in cases().values() for trap in case.traps} == set(range(1, 46))
 
 
@@ -60,7 +62,7 @@ def test_depth_by_rays_is_exact() -> None:
     z = cast(camera, size, flat((0, 0, -5), (0, 0.5, 1)))
     points = camera.view(size).points(z)
     np.testing.assert_allclose(points @ [0, 0.5, 1], -5, rtol=1e-12)
-    points = camera.view(size).points(cast(camera, size, ball((0, 0, -5), 1.0)))
+    points = camera.view(size).points(cast(camera, size, ball_depth((0, 0, -5), 1.0)))
     seen = points[..., 2] < 0
     assert seen.sum() > 20 and not seen.all()
     np.testing.assert_allclose(np.linalg.norm(points[seen] - [0, 0, -5], axis=1), 1, rtol=1e-12)
@@ -76,7 +78,7 @@ def test_window_depth_and_back(camera: ao.Camera) -> None:
     with np.errstate(all="ignore"):
         back = (p @ c["u_depth_num"]) / (p @ c["u_depth_den"])
     np.testing.assert_allclose(np.where(z > 0, back, 0), z, rtol=1e-9)
-    assert ((d >= 0) & (d <= 1)).all() and (np.abs(rounded(d, 16) - d) <= 0.5 / 65535 + 1e-12).all()
+    assert ((d >= 0) & (d <= 1)).all() and (np.abs(as_half_floats(d, 16) - d) <= 0.5 / 65535 + 1e-12).all()
 
 
 def test_differences() -> None:
@@ -86,18 +88,18 @@ def test_differences() -> None:
 
 @pytest.mark.parametrize("number", [0, 5, 17, 33, 70, 1234567])
 def test_a_random_case_is_its_seed_and_number(number: int) -> None:
-    every = [fuzz.random_shot(3, number, subject) for subject in subjects()]
-    again = fuzz.random_shot(3, number, subjects()[0])
+    every = [fuzz.random_shot(3, number, subject) for subject in specimens()]
+    again = fuzz.random_shot(3, number, specimens()[0])
     for shot in (*every, again):
         np.testing.assert_array_equal(shot.depth, every[0].depth)
         np.testing.assert_array_equal(shot.camera.view((8, 6)).projection, every[0].camera.view((8, 6)).projection)
         assert (shot.kind, shot.blur, shot.radius) == (every[0].kind, every[0].blur, every[0].radius)
-    other = fuzz.random_shot(4, number, subjects()[0])
+    other = fuzz.random_shot(4, number, specimens()[0])
     assert other.depth is None or other.depth.shape != every[0].depth.shape or not np.array_equal(other.depth, every[0].depth)  # type: ignore[union-attr]
 
 
 def test_random_cases_are_of_all_kinds() -> None:
-    subject = subjects()[0]
+    subject = specimens()[0]
     shots = [fuzz.random_shot(0, number, subject) for number in range(0, 2000)]
     assert {shot.kind for shot in shots} == {"eye", "window"} and {shot.normals is None for shot in shots} == {True, False}
     assert {shot.blur for shot in shots} == {"none", "joint", "separable", "lecture"}
@@ -110,12 +112,12 @@ def test_random_cases_are_of_all_kinds() -> None:
 
 
 def test_blocks_take_turns_over_the_subjects() -> None:
-    every = subjects()
+    every = specimens()
     planned = list(fuzz.planned(0, range(len(every) * fuzz.BLOCK), every))
     assert [subject for _, subject in planned[:: fuzz.BLOCK]] == every
 
 
-def verdict(measure: Callable[[Any], float], exceptions: dict[str, Deviation] | None = None, **more: Any) -> Row:
+def verdict(measure: Callable[[Any], float], exceptions: dict[str, Deviation] | None = None, **more: Any) -> CaseResult:
     """The verdict on a case that needs no OpenGL."""
     declared = exceptions or {}
     subject = SimpleNamespace(
@@ -151,7 +153,7 @@ def test_verdicts() -> None:
 
 
 def test_cases_without_a_method_run_once() -> None:
-    every = runs(cases().values(), subjects())
+    every = runs(cases().values(), specimens())
     once = [case.name for case, _ in every if case.once]
     assert len(once) == len(set(once)) > 3
 
@@ -192,14 +194,16 @@ def test_a_failure_keeps_what_it_needs() -> None:
     assert found.depth is not None and np.count_nonzero(found.depth) == 2 and found.blur == "joint"
 
 
-def rows() -> report.Results:
-    results = report.Results()
+def rows() -> report.StressResults:
+    results = report.StressResults()
     common: dict[str, Any] = {"group": "g", "preset": "default", "provider": "p", "unit": "u", "bound": 0.1}
-    results.add(Row(case="a", method="x", verdict=PASS, measured=0.01, **common))
-    results.add(Row(case="a", method="y", verdict=DECLARED, measured=0.3, declared=0.5, reason="as <defined>", **common))
-    results.add(Row(case="b", method="y", verdict=FAIL, measured=math.nan, reason="bad", command="ssao-gl stress", **common))
-    results.add(Row(case="random-7", method="x", verdict=PASS, measured=0, **common))
-    results.add(Row(case="random-8", method="x", verdict=FAIL, reason="black", **common))
+    results.add(CaseResult(case="a", method="x", verdict=PASS, measured=0.01, **common))
+    results.add(CaseResult(case="a", method="y", verdict=DECLARED, measured=0.3, declared=0.5, reason="as <defined>", **common))
+    results.add(
+        CaseResult(case="b", method="y", verdict=FAIL, measured=math.nan, reason="bad", command="ssao-gl stress", **common)
+    )
+    results.add(CaseResult(case="random-7", method="x", verdict=PASS, measured=0, **common))
+    results.add(CaseResult(case="random-8", method="x", verdict=FAIL, reason="black", **common))
     return results
 
 
@@ -214,7 +218,7 @@ def test_results_are_counted_and_laid_out() -> None:
 
 def test_results_as_files(tmp_path: Path) -> None:
     for name in ("r.json", "r.html"):
-        report.save(tmp_path / name, rows(), {"command": "ssao-gl stress", "p": "a <driver>"})
+        report.save_stress_report(tmp_path / name, rows(), {"command": "ssao-gl stress", "p": "a <driver>"})
     data = json.loads((tmp_path / "r.json").read_text())
     assert data["counts"][FAIL] == 2 and len(data["rows"]) == 4 and data["rows"][2]["measured"] is None
     page = (tmp_path / "r.html").read_text()
@@ -223,10 +227,10 @@ def test_results_as_files(tmp_path: Path) -> None:
 
 def test_unknown_presets_and_methods() -> None:
     with pytest.raises(ao.SettingsError, match="no method has it"):
-        subjects(presets=["hihg"])
+        specimens(presets=["hihg"])
     with pytest.raises(ao.SettingsError, match="Did you mean 'alchemy'"):
-        subjects(["alchemi"])
-    assert len(subjects(presets=["all"])) > len(subjects())
+        specimens(["alchemi"])
+    assert len(specimens(presets=["all"])) > len(specimens())
 
 
 @pytest.mark.parametrize(
@@ -276,4 +280,4 @@ def test_a_broken_folder_gets_one_line(text: str, message: str, tmp_path: Path, 
 def test_the_list_needs_no_opengl(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main(["stress", "--list", "--markdown"])
-    assert not ended.value.code and capsys.readouterr().out == listing.markdown()
+    assert not ended.value.code and capsys.readouterr().out == case_table.case_table_markdown()

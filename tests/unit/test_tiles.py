@@ -11,10 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ssao_gl as ao
-from ssao_gl import tiles
-from ssao_gl.camera import Camera, Part
 from ssao_gl.errors import SettingsError
-from ssao_gl.tiles import Layout, layout
+from ssao_gl.pipeline.build import plan_render
+from ssao_gl.scene.camera import Camera, CropLens
+from ssao_gl.tiling import layout as tiles
+from ssao_gl.tiling.layout import Layout, layout
 
 from ..shapes import camera, plane
 from .test_camera import LENSES, SIZE
@@ -71,7 +72,7 @@ def test_tiles_come_from_the_top_and_crop_what_they_add() -> None:
 def test_a_part_shows_the_same_points_in_the_same_pixels(name: str) -> None:
     whole = LENSES[name].view(SIZE)
     corner, size = (96, 32), (80, 50)
-    part = Camera(Part(LENSES[name].lens, SIZE, corner)).view(size)
+    part = Camera(CropLens(LENSES[name].lens, SIZE, corner)).view(size)
     z = np.random.default_rng(1).uniform(1, 20, SIZE[::-1])
     top, left = SIZE[1] - corner[1] - size[1], corner[0]
     there = slice(top, top + size[1]), slice(left, left + size[0])
@@ -83,7 +84,7 @@ def test_a_part_shows_the_same_points_in_the_same_pixels(name: str) -> None:
 def test_the_far_plane_of_a_small_part_of_a_huge_picture_stays_infinite() -> None:
     whole = (65536, 65536)
     for corner in ((0, 0), (65520, 0), (32768, 65520)):
-        part = Camera(Part(Camera.perspective(0.9, 1e-3).lens, whole, corner)).view((16, 16))
+        part = Camera(CropLens(Camera.perspective(0.9, 1e-3).lens, whole, corner)).view((16, 16))
         assert math.isinf(part.far) and part.near == pytest.approx(1e-3)
 
 
@@ -91,15 +92,15 @@ def test_reach_in_pixels() -> None:
     """Of a radius of 0.5: by the size of a pixel, on the nearest surface, as long as the method does not clamp it."""
     method = ao.Alchemy(radius=0.5, max_radius=4096)
     parallel = Camera.orthographic(4.0, 0.0, 30.0).view((300, 200))
-    assert tiles.reach(method, parallel, 3.0) == pytest.approx(0.5 * 50 + 1)
+    assert tiles.tap_reach(method, parallel, 3.0) == pytest.approx(0.5 * 50 + 1)
     narrow = Camera.perspective(4e-3, 1.0).view((200, 200))
-    assert tiles.reach(method, narrow, 10.0) == pytest.approx(0.5 * 100 / 2e-3 / 9.5 + 1, rel=1e-3)  # 0.5 nearer still
-    assert tiles.reach(dataclasses.replace(method, max_radius=64), narrow, 10.0) == 65
-    assert tiles.reach(dataclasses.replace(method, max_radius=64), narrow, 0.0) == 65, "no surface is too near"
+    assert tiles.tap_reach(method, narrow, 10.0) == pytest.approx(0.5 * 100 / 2e-3 / 9.5 + 1, rel=1e-3)  # 0.5 nearer still
+    assert tiles.tap_reach(dataclasses.replace(method, max_radius=64), narrow, 10.0) == 65
+    assert tiles.tap_reach(dataclasses.replace(method, max_radius=64), narrow, 0.0) == 65, "no surface is too near"
     wide = Camera.perspective(math.pi / 2, 1.0).view((200, 200))
-    assert tiles.reach(method, wide, 10.0) == pytest.approx(0.5 * 100 * math.sqrt(3) / 9.5 + 1), "longer in the corners"
-    assert tiles.reach(ao.Lecture(radius=0.08), wide, 10.0) == pytest.approx(16), "a share of the image"
-    assert tiles.reach(ao.method("reference").__class__(radius=0.5, max_steps=100), wide, 0.1) == 101
+    assert tiles.tap_reach(method, wide, 10.0) == pytest.approx(0.5 * 100 * math.sqrt(3) / 9.5 + 1), "longer in the corners"
+    assert tiles.tap_reach(ao.Lecture(radius=0.08), wide, 10.0) == pytest.approx(16), "a share of the image"
+    assert tiles.tap_reach(ao.method("reference").__class__(radius=0.5, max_steps=100), wide, 0.1) == 101
 
 
 @pytest.mark.parametrize("size", [(200, 200), (2000, 2000)])
@@ -131,7 +132,7 @@ def test_pictures_beyond_the_limit_are_cut_in_equal_parts(size: tuple[int, int])
 def test_pictures_beyond_the_budget_are_cut_though_the_driver_could() -> None:
     cut = layout(plane(), camera(), (16384, 16384), SETTINGS, VISIBILITY, limit=1 << 20)
     assert cut is not None
-    assert ao.pipeline.plan_render(SETTINGS, cut.outer, VISIBILITY).bytes <= tiles.TILE_BYTES  # type: ignore[attr-defined]
+    assert plan_render(SETTINGS, cut.outer, VISIBILITY).bytes <= tiles.TILE_BYTES
 
 
 def test_arrays_without_occlusion_need_no_halo() -> None:
@@ -172,4 +173,4 @@ def test_tiles_over_the_limit_are_refused_with_what_would_do() -> None:
 
 def test_a_radius_of_unknown_unit_is_refused() -> None:
     with pytest.raises(SettingsError, match="how many pixels"):
-        tiles.reach(ao.Alchemy(), camera().view((64, 64)), 1.0)
+        tiles.tap_reach(ao.Alchemy(), camera().view((64, 64)), 1.0)

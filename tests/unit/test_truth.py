@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ssao_gl import Camera, Draw, Scene, look_at
-from ssao_gl.camera import Orthographic, Perspective, Pinhole, Projection
-from ssao_gl.default_scene import default_scene, place, sphere
+from ssao_gl import Camera, Mesh, Scene, look_at
 from ssao_gl.errors import FormatError, SceneError, SettingsError
-from ssao_gl.falloff import Falloff, weight
+from ssao_gl.io.cache import prune
+from ssao_gl.sampling.falloff import Falloff, rho
+from ssao_gl.scene.camera import Orthographic, Perspective, Pinhole, Projection
+from ssao_gl.scene.sample_scene import default_scene, place, sphere
 from ssao_gl.truth import Surface, Tracing, Truth, gather, surface, trace
-from ssao_gl.truth import cache as caching
+from ssao_gl.truth import store as caching
 from ssao_gl.truth.bench import bench
 from ssao_gl.truth.closed_forms import closed_forms
 from ssao_gl.truth.rays import RayScene
@@ -25,9 +26,9 @@ SIZE = (48, 36)
 rays_module = sys.modules["ssao_gl.truth.rays"]
 
 
-def quad(center: tuple[float, float, float], right: tuple[float, float, float], up: tuple[float, float, float]) -> Draw:
+def quad(center: tuple[float, float, float], right: tuple[float, float, float], up: tuple[float, float, float]) -> Mesh:
     c, r, u = np.array(center), np.array(right), np.array(up)
-    return Draw(np.array([c - r - u, c + r - u, c + r + u, c - r + u], np.float32), np.array([[0, 1, 2], [0, 2, 3]], np.uint32))
+    return Mesh(np.array([c - r - u, c + r - u, c + r + u, c - r + u], np.float32), np.array([[0, 1, 2], [0, 2, 3]], np.uint32))
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +88,7 @@ def test_normals_face_the_viewer_whatever_the_winding() -> None:
     ball = sphere(64)
     turned = (ball[0], ball[1][:, ::-1].copy(), -ball[2])
     for mesh in (ball, turned):
-        squashed = Draw(*mesh, transforms=place((1.0, 0.5, 1.0), (0, 0, 0))[None])
+        squashed = Mesh(*mesh, transforms=place((1.0, 0.5, 1.0), (0, 0, 0))[None])
         found = surface(Scene([squashed]), Camera.perspective(0.9, 0.1, 9.0, look_at((0, 1, 3), (0, 0, 0))), SIZE)
         p = found.points()
         exact = p * [1, 4, 1]
@@ -124,7 +125,7 @@ def test_unit_and_place_do_not_matter(courtyard: Scene, seen: Surface, scale: fl
     move = np.eye(4)
     move[:3, :3] *= scale
     move[:3, 3] = shift
-    moved = Scene([dataclasses.replace(draw, transforms=move @ draw.transforms) for draw in courtyard.draws])
+    moved = Scene([dataclasses.replace(draw, transforms=move @ draw.transforms) for draw in courtyard.meshes])
     camera = courtyard.cameras[0]
     pose = camera.pose.copy()
     pose[:3, 3] = pose[:3, 3] * scale + shift
@@ -144,18 +145,18 @@ def test_falloffs_under_a_ceiling(falloff: Falloff) -> None:
     found = trace(scene, camera, (8, 6), Tracing(radius=radius, falloff=falloff, spp=4096))
     # The ceiling at height 1 is 1 / cos away; sin^2 is uniform in 0..1 under cosine weight.
     cosine = np.sqrt((np.arange(1_000_000) + 0.5) / 1_000_000)
-    assert found.visibility == pytest.approx(1 - weight(falloff, 1 / cosine / radius).mean(), abs=0.004)
+    assert found.visibility == pytest.approx(1 - rho(falloff, 1 / cosine / radius).mean(), abs=0.004)
 
 
 def test_falloff_shapes() -> None:
     x = np.array([0, 0.25, 0.4456, 0.9, 1, 2, np.inf])
-    assert weight("hard", x).tolist() == [1, 1, 1, 1, 0, 0, 0]
-    assert weight("quadratic", x)[:2] == pytest.approx([1, 0.5625])
-    assert weight("obscurance", x)[:2] == pytest.approx([1, 0.5])
-    alchemy = weight("alchemy", x)
+    assert rho("hard", x).tolist() == [1, 1, 1, 1, 0, 0, 0]
+    assert rho("quadratic", x)[:2] == pytest.approx([1, 0.5625])
+    assert rho("obscurance", x)[:2] == pytest.approx([1, 0.5])
+    alchemy = rho("alchemy", x)
     assert alchemy[0] == 0 and alchemy[2] == pytest.approx(1, abs=1e-3) and 0 < alchemy[3] < 1
-    assert all((weight(f, x)[4:] == 0).all() for f in Falloff)
-    assert weight("quadratic", x.astype(np.float32)).dtype == np.float32
+    assert all((rho(f, x)[4:] == 0).all() for f in Falloff)
+    assert rho("quadratic", x.astype(np.float32)).dtype == np.float32
 
 
 @pytest.mark.parametrize("spp", [16, 128])
@@ -238,16 +239,16 @@ def test_interrupted_runs_go_on_and_give_the_same_bytes(courtyard: Scene, tmp_pa
 def test_results_are_cached_by_content(courtyard: Scene, tmp_path: Path) -> None:
     camera, tracing = courtyard.cameras[0], Tracing(spp=8)
     first = trace(courtyard, camera, SIZE, tracing, cache=tmp_path)
-    painted = Scene([dataclasses.replace(d, color=(1, 0, 0), name="x") for d in courtyard.draws], name="other")
+    painted = Scene([dataclasses.replace(d, color=(1, 0, 0), name="x") for d in courtyard.meshes], name="other")
     again = trace(painted, dataclasses.replace(camera, name="other"), SIZE, tracing, cache=tmp_path)
     assert again.cached and not first.cached and same(first, again)
-    moved = courtyard.draws[0].transforms.copy()
+    moved = courtyard.meshes[0].transforms.copy()
     moved[0, 0, 3] += 1e-9
     pose = camera.pose.copy()
     pose[0, 3] += 1e-9
     others = [
-        (Scene([dataclasses.replace(courtyard.draws[0], transforms=moved), *courtyard.draws[1:]]), camera, SIZE, tracing),
-        (Scene(courtyard.draws[1:]), camera, SIZE, tracing),
+        (Scene([dataclasses.replace(courtyard.meshes[0], transforms=moved), *courtyard.meshes[1:]]), camera, SIZE, tracing),
+        (Scene(courtyard.meshes[1:]), camera, SIZE, tracing),
         (courtyard, dataclasses.replace(camera, pose=pose), SIZE, tracing),
         (courtyard, camera, (48, 37), tracing),
         *((courtyard, camera, SIZE, dataclasses.replace(tracing, **change)) for change in (
@@ -287,7 +288,7 @@ def test_the_cache_forgets_what_was_not_used_for_longest(tmp_path: Path) -> None
     for age, name in enumerate(("truth-c.npz", "truth-b.npz", ".truth-a.x.npz", "truth-a.npz", "kept.txt")):
         (tmp_path / name).write_bytes(bytes(100))
         os.utime(tmp_path / name, (1000 - age, 1000 - age))
-    caching.prune(tmp_path, 250)
+    prune(tmp_path, 250)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["kept.txt", "truth-b.npz", "truth-c.npz"]
 
 

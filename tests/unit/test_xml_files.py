@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from ssao_gl.adapters import mesh_files
-from ssao_gl.adapters.xml_files import check_3mf, check_dae
 from ssao_gl.errors import SceneError
-from ssao_gl.scene import Scene
+from ssao_gl.loaders import mesh_files
+from ssao_gl.loaders.load import load_scene
+from ssao_gl.loaders.xml_checks import check_3mf, check_dae
 
 from ..fuzz_seeds import DAE, seeds
 from ..scene_files import zipped
@@ -115,9 +115,9 @@ def test_read_or_told_what_is_missing(name: str, package: str, module: str, tmp_
     path = tmp_path / f"a.{name}"
     if importlib.util.find_spec(module) is None:
         with pytest.raises(SceneError, match=f"pip install {package}"):
-            Scene.load(path)
+            load_scene(path)
     else:
-        assert Scene.load(path).triangles in (3, 6)
+        assert load_scene(path).triangles in (3, 6)
 
 
 def test_formats_that_cannot_be_guarded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -127,8 +127,8 @@ def test_formats_that_cannot_be_guarded(tmp_path: Path, monkeypatch: pytest.Monk
     for kind in ("step", "3dxml"):
         (tmp_path / f"a.{kind}").write_bytes(b"x")
         with pytest.raises(SceneError, match=f"format '.{kind}' is not read"):
-            Scene.load(tmp_path / f"a.{kind}")
+            load_scene(tmp_path / f"a.{kind}")
         with zipfile.ZipFile(tmp_path / "a.zip", "w") as archive:
             archive.writestr(f"a.{kind}", b"x")
         with pytest.raises(SceneError, match="holds 0 mesh files"):
-            Scene.load(tmp_path / "a.zip")
+            load_scene(tmp_path / "a.zip")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 
-from ...graph import Plan
-from ...pipeline import plan_apply, plan_render
-from ...sources import build
-from ..case import NotApplicable, case
-from ..lab import Lab
+from ...glsl.preprocess import build
+from ...graph.plan import Plan
+from ...pipeline.build import plan_apply, plan_render
+from ..case import case
+from ..outcomes import NotApplicable
+from ..runner import CaseRunner
 from ..shapes import lens
 from ..shot import Shot
 
@@ -16,7 +17,7 @@ GROUP = "by construction"
 
 
 @case("feedback-loop", GROUP, "steps that read what they draw into", 0.0, traps=(45,), why="none")
-def feedback(lab: Lab) -> float:
+def feedback(lab: CaseRunner) -> float:
     """No pass reads a texture while it draws into it."""
     settings = lab.subject.settings(Shot(lens(), blur="joint"))
     plans = [plan_render(settings, lab.size)]
@@ -32,7 +33,7 @@ def _loops(plan: Plan) -> int:
 
 
 @case("half-precision", GROUP, "words", 0.0, traps=(5, 6, 40), why="none")
-def precision(lab: Lab) -> float:
+def precision(lab: CaseRunner) -> float:
     """Floats, integers and samplers are of 32 bits by default, and nothing is mediump or lowp but what is declared LOW."""
     method = lab.subject.method
     text = re.sub(r"//.*|#define LOW mediump", "", build(method.shader, method.defines()).text)
@@ -41,7 +42,7 @@ def precision(lab: Lab) -> float:
 
 
 def _never(name: str, promise: str, trap: int, reason: str) -> None:
-    def measure(lab: Lab) -> float:
+    def measure(lab: CaseRunner) -> float:
         raise NotApplicable(reason)
 
     measure.__doc__ = promise

@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from ...camera import Camera
-from ...default_scene import box, place, sphere
-from ...scene import Draw, Scene
+from ...scene.camera import Camera
+from ...scene.model import Mesh, Scene
+from ...scene.sample_scene import box, place, sphere
+from ..analytic_depth import cast, flat, room
 from ..case import case
-from ..fields import cast, flat, room
-from ..lab import Lab
+from ..runner import CaseRunner
 from ..shapes import corner, lens, plane
 from ..shot import apart, share
 
@@ -21,7 +21,7 @@ OFF = "share of pixels off by over 1/255"
 
 
 @case("orthographic-plane", GROUP, DARKEST, contract="plane", asks=("orthographic",), traps=(34,))
-def parallel_plane(lab: Lab) -> float:
+def parallel_plane(lab: CaseRunner) -> float:
     """A tilted plane is open in a parallel projection."""
     return lab.render(plane(0.7), Camera.orthographic(4.0, 0.0, 40.0)).darkest
 
@@ -36,7 +36,7 @@ def parallel_plane(lab: Lab) -> float:
     traps=(34,),
     why="rays of sight still turn by up to 0.3 degrees",
 )
-def parallel(lab: Lab) -> float:
+def parallel(lab: CaseRunner) -> float:
     """A parallel projection looks as a narrow perspective from afar, but for a bias that grows with distance."""
     height, away = 5.0, 500.0
     narrow = Camera.perspective(2 * math.atan(height / 2 / (5 + away)), 1.0, 1000.0, place((1, 1, 1), (0, 0, away)))
@@ -47,7 +47,7 @@ def parallel(lab: Lab) -> float:
 
 
 @case("oblique-parallel", GROUP, DARKEST, contract="plane", asks=("orthographic",), traps=(34, 35))
-def oblique(lab: Lab) -> float:
+def oblique(lab: CaseRunner) -> float:
     """A plane is open in an oblique parallel projection, whose rays do not run along the axis."""
     m = np.array(Camera.orthographic(4.0, 0.0, 40.0).lens.matrix((64, 48)))
     m[0, 2], m[1, 2] = 0.3, -0.2
@@ -63,7 +63,7 @@ def oblique(lab: Lab) -> float:
     traps=(16, 35),
     why="away from the new border by the radius, edges may round",
 )
-def off_centre(lab: Lab) -> float:
+def off_centre(lab: CaseRunner) -> float:
     """The left half of a wide image is what a lens shifted to the left sees, away from its new border."""
     w, h = lab.size
     m = np.array(lens().lens.matrix((2 * w, h)))
@@ -76,7 +76,7 @@ def off_centre(lab: Lab) -> float:
 
 
 @case("tiles", GROUP, OFF, 0.01, contract="border", traps=(16, 35), why="away from the seams by the radius, edges may round")
-def tiles(lab: Lab) -> float:
+def tiles(lab: CaseRunner) -> float:
     """Four tiles of a print are the whole, away from their seams."""
     w, h = (side // 8 * 8 for side in lab.size)
     m = np.array(lens().lens.matrix((w, h)))
@@ -101,7 +101,7 @@ def tiles(lab: Lab) -> float:
     traps=(13, 18),
     why="finite at any angle; what is seen has no form to compare",
 )
-def wide(lab: Lab) -> float:
+def wide(lab: CaseRunner) -> float:
     """Fields of view of 170 and 179.9 degrees keep what every picture promises."""
     for degrees in (170.0, 179.9):
         camera = Camera.perspective(math.radians(degrees), 0.1, 100.0)
@@ -111,7 +111,7 @@ def wide(lab: Lab) -> float:
 
 
 @case("very-narrow", GROUP, DARKEST, contract="plane", traps=(10,))
-def narrow(lab: Lab) -> float:
+def narrow(lab: CaseRunner) -> float:
     """A tilted plane is open through a field of view of 0.1 degrees, where a pixel is 400 roundings of its depth wide."""
     camera = Camera.perspective(math.radians(0.1), 0.1, 100.0)
     height = 5 * math.radians(0.1)
@@ -126,19 +126,19 @@ def narrow(lab: Lab) -> float:
     traps=(18, 19),
     why="back faces at the near plane have no right answer but a finite one",
 )
-def inside(lab: Lab) -> float:
+def inside(lab: CaseRunner) -> float:
     """A camera inside a ball, inside a box and across a face keeps what every picture promises, with any radius."""
     solids = (
-        Scene([Draw(*sphere(16))]),
-        Scene([Draw(*box())]),
-        Scene([Draw(*box(), transforms=place((1, 1, 1), (0, 0, -1.0))[None])]),
+        Scene([Mesh(*sphere(16))]),
+        Scene([Mesh(*box())]),
+        Scene([Mesh(*box(), transforms=place((1, 1, 1), (0, 0, -1.0))[None])]),
     )
     eye = Camera.perspective(1.2, 1e-4, 10.0)
     return max(1 - lab.render(scene, eye, radius=radius).mean for scene in solids for radius in (0.1, 3.0))
 
 
 @case("behind-the-camera", GROUP, "1 - mean visibility", 1.0, traps=(18, 20), why="finite is what is asked")
-def behind(lab: Lab) -> float:
+def behind(lab: CaseRunner) -> float:
     """A radius of a thousand times the distance, which reaches behind the eye, keeps what every picture promises."""
     camera = lens()
     depth = cast(camera, lab.size, *room())

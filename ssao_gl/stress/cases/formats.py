@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...camera import Camera
+from ...scene.camera import Camera
+from ..analytic_depth import as_half_floats, cast, room, window_depth
 from ..case import case
-from ..fields import cast, room, rounded, window_depth
-from ..lab import Lab
+from ..runner import CaseRunner
 from ..shapes import corner, lens, scaled
 from ..shot import apart, share
 
@@ -36,28 +36,28 @@ def _through(near: float, far: float, at_near: float, at_far: float) -> tuple[fl
     return a, near * (at_near + a)
 
 
-def by_window(lab: Lab, m: NDArray[np.float64], clip: str = "-1..1", bits: int = 0, **options: object):  # type: ignore[no-untyped-def]
+def by_window(lab: CaseRunner, m: NDArray[np.float64], clip: str = "-1..1", bits: int = 0, **options: object):  # type: ignore[no-untyped-def]
     """Visibilities (eye depth, window depth) of the room through a projection; ``bits`` of window depth, 0: 32-bit floats."""
     camera = Camera.from_matrix(m, clip=clip)  # type: ignore[arg-type]
     z = cast(camera, lab.size, *room())
     d = window_depth(camera, z, np.float64)
     eye = lab.apply(z, lens(), **options).visibility
-    return eye, lab.apply(rounded(d, bits) if bits else d, camera, kind="window", **options).visibility
+    return eye, lab.apply(as_half_floats(d, bits) if bits else d, camera, kind="window", **options).visibility
 
 
-def off(lab: Lab, *args: object, **options: object) -> float:
+def off(lab: CaseRunner, *args: object, **options: object) -> float:
     """Share of pixels where window depth gives another visibility than eye depth."""
     return share(*by_window(lab, *args, **options))  # type: ignore[arg-type]
 
 
 @case("window-depth", GROUP, OFF, FEW, contract="far plane", why="taps on the edge of the ball")
-def window(lab: Lab) -> float:
+def window(lab: CaseRunner) -> float:
     """Window depth of a common range, 0.1 to 40, gives what eye depth gives."""
     return off(lab, projection(0.1, 40.0))
 
 
 @case("reversed-depth", GROUP, OFF, FEW, contract="far plane", traps=(2,), why="taps on the edge of the ball")
-def backwards(lab: Lab) -> float:
+def backwards(lab: CaseRunner) -> float:
     """Reversed depth gives what eye depth gives, in clip ranges -1..1 and 0..1."""
     return max(off(lab, projection(0.1, 40.0, reverse=True, clip=clip), clip) for clip in ("-1..1", "0..1"))
 
@@ -72,25 +72,25 @@ def backwards(lab: Lab) -> float:
     traps=(3,),
     why="taps on the edge of the ball",
 )
-def endless(lab: Lab) -> float:
+def endless(lab: CaseRunner) -> float:
     """An infinite far plane gives what a finite one gives, reversed or not; background at it is exactly open."""
     return max(off(lab, projection(0.1, np.inf, reverse=reverse, clip="0..1"), "0..1") for reverse in (False, True))
 
 
 @case("depth-24-bit", GROUP, OFF, 2 * FEW, contract="far plane", traps=(1,), why="a step of depth is 1/5000 pixel at the wall")
-def bits24(lab: Lab) -> float:
+def bits24(lab: CaseRunner) -> float:
     """Window depth of 24 bits gives what eye depth gives, over 0.1 to 40."""
     return off(lab, projection(0.1, 40.0), bits=24)
 
 
 @case("depth-16-bit", GROUP, MEAN, 0.01, contract="far plane", traps=(1,), why="a step of depth is 1/100 pixel at the wall")
-def bits16(lab: Lab) -> float:
+def bits16(lab: CaseRunner) -> float:
     """Window depth of 16 bits gives on average what eye depth gives, over 0.5 to 40."""
     return apart(*by_window(lab, projection(0.5, 40.0), bits=16))
 
 
 @case("stiff-reversed", GROUP, OFF, FEW, contract="far plane", traps=(1,), why="taps on the edge of the ball")
-def stiff_reversed(lab: Lab) -> float:
+def stiff_reversed(lab: CaseRunner) -> float:
     """Near 1e-4 and far 1e7 with reversed 32-bit depth give what eye depth gives."""
     return off(lab, projection(1e-4, 1e7, reverse=True, clip="0..1"), "0..1")
 
@@ -103,14 +103,14 @@ def stiff_reversed(lab: Lab) -> float:
     traps=(1,),
     why="a step of 24-bit depth is 0.02 here, and 6 at 100: no picture left to ask for",
 )
-def stiff(lab: Lab) -> float:
+def stiff(lab: CaseRunner) -> float:
     """Near 1e-4 and far 1e7 with depth of 16, 24 and 32 bits keep what every picture promises."""
     m = projection(1e-4, 1e7)
     return max(1 - float(by_window(lab, m, bits=bits)[1].mean()) for bits in (0, 16, 24))
 
 
 @case("stiff-scene", GROUP, OFF, 0.002, contract="far plane", traps=(1, 2), why="edges may round to the next pixel")
-def stiff_scene(lab: Lab) -> float:
+def stiff_scene(lab: CaseRunner) -> float:
     """A corner drawn with near 1e-4 and far 1e7 looks the same at any of the distances 1 to 1e4."""
     stiff_lens = Camera.perspective(0.9, 1e-4, 1e7)
     plain = lab.render(corner(), lens()).visibility
@@ -120,7 +120,7 @@ def stiff_scene(lab: Lab) -> float:
 
 
 @case("far-plane", GROUP, MEAN, 1e-4, contract="far plane", traps=(4,), why="mean over the image")
-def far(lab: Lab) -> float:
+def far(lab: CaseRunner) -> float:
     """Where the far plane lies, from 20 to 1e6, changes nothing, filtered neither."""
     seen = [lab.render(corner(), lens(zfar), blur="joint").visibility for zfar in (20.0, 200.0, 1e6)]
     return max(apart(seen[0], other) for other in seen[1:])

@@ -11,10 +11,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ...camera import Camera
+from ...scene.camera import Camera
+from ..analytic_depth import cast, room
 from ..case import case
-from ..fields import cast, room
-from ..lab import Lab
+from ..runner import CaseRunner
 
 GROUP = "invariance of the image"
 MEANS = "difference of means"
@@ -34,7 +34,7 @@ def lens(shift: tuple[int, int]) -> Image:
     return m
 
 
-def mean(lab: Lab, turn: Image, turned: Callable[[Image], Image]) -> float:
+def mean(lab: CaseRunner, turn: Image, turned: Callable[[Image], Image]) -> float:
     """Mean visibility of the room: its image turned, and the image plane of the camera by ``turn`` (2, 2)."""
     means = []
     for shift in GRID:
@@ -45,13 +45,13 @@ def mean(lab: Lab, turn: Image, turned: Callable[[Image], Image]) -> float:
     return float(np.mean(means))
 
 
-def plain(lab: Lab) -> float:
+def plain(lab: CaseRunner) -> float:
     """Of the image as it is."""
     return mean(lab, np.eye(2), lambda z: z)
 
 
 @case("mirror", GROUP, MEANS, 1 / 255, contract="mirror", traps=(13, 23), why=WHY)
-def mirror(lab: Lab) -> float:
+def mirror(lab: CaseRunner) -> float:
     """The mirror image, to the side and upside down, is as dark."""
     straight = plain(lab)
     aside = mean(lab, np.diag([-1.0, 1.0]), lambda z: z[:, ::-1])
@@ -60,13 +60,13 @@ def mirror(lab: Lab) -> float:
 
 
 @case("quarter-turn", GROUP, MEANS, 1 / 255, contract="rotation", traps=(13,), why=WHY)
-def quarter(lab: Lab) -> float:
+def quarter(lab: CaseRunner) -> float:
     """The image turned by 90 degrees is as dark."""
     return abs(plain(lab) - mean(lab, np.array([[0.0, -1.0], [1.0, 0.0]]), np.rot90))
 
 
 @case("grid-shift", GROUP, MEANS, 1 / 255, contract="border", traps=(27, 40), why="noise of another phase")
-def shift(lab: Lab) -> float:
+def shift(lab: CaseRunner) -> float:
     """The image moved by two pixels, across the noise, is as dark."""
     means = []
     for by in (0, 2):

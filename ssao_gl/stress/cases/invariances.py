@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...camera import Camera, Perspective
-from ...default_scene import box, default_scene, place
-from ...pipeline import RULES
-from ...scene import Draw, Scene
-from ..case import STEP, NotApplicable, case
-from ..fields import cast, room
-from ..lab import Lab
+from ...pipeline.settings import CULLING_RULES
+from ...scene.camera import Camera, Perspective
+from ...scene.model import Mesh, Scene
+from ...scene.sample_scene import box, default_scene, place
+from ..analytic_depth import cast, room
+from ..case import case
+from ..outcomes import STEP, NotApplicable
+from ..runner import CaseRunner
 from ..shapes import corner, lens, moved, scaled
 from ..shot import Shot, share
 
@@ -19,13 +20,13 @@ OFF = "share of pixels off by over 1/255"
 EDGES = "edges may round to the next pixel"
 
 
-def spread(lab: Lab) -> int:
+def spread(lab: CaseRunner) -> int:
     """Pixels of the image that change with each that is drawn: those of a smaller target show in their neighbours too."""
     return 4 if getattr(lab.subject.method, "scale", 1) > 1 else 1
 
 
 @case("units", GROUP, OFF, 0.002, contract="scale", traps=(5, 6, 7), why=EDGES)
-def units(lab: Lab) -> float:
+def units(lab: CaseRunner) -> float:
     """Scene and radius in units from 1e-6 to 1e6 give one picture."""
     scene = default_scene()
     home = scene.cameras[0]
@@ -40,7 +41,7 @@ def units(lab: Lab) -> float:
 
 
 @case("units-of-depth", GROUP, OFF, 0.005, contract="scale", traps=(5, 6, 7, 9), why="taps on the edge of the ball")
-def depth_units(lab: Lab) -> float:
+def depth_units(lab: CaseRunner) -> float:
     """Depth and radius in units from 1e-6 to 1e6 give one picture, filtered too."""
     z = cast(lens(), lab.size, *room())
     plain = lab.apply(z, lens(), blur="joint").visibility
@@ -56,14 +57,14 @@ def depth_units(lab: Lab) -> float:
     traps=(9, 42),
     why="squares of such lengths leave 32-bit floats; finite is what is asked",
 )
-def tiny_units(lab: Lab) -> float:
+def tiny_units(lab: CaseRunner) -> float:
     """Depth and radius in units of 1e-19 and of 1e17 keep what every picture promises."""
     z = cast(lens(), lab.size, *room())
     return max(1 - lab.apply(z * s, lens(scale=s), radius=0.8 * s, blur="joint").mean for s in (1e-19, 1e17))
 
 
 @case("far-from-the-origin", GROUP, OFF, 0.002, contract="translation", why=EDGES)
-def place_in_world(lab: Lab) -> float:
+def place_in_world(lab: CaseRunner) -> float:
     """Camera and scene moved together by 1e7 units give the same picture."""
     scene = default_scene()
     shift = np.eye(4)
@@ -73,7 +74,7 @@ def place_in_world(lab: Lab) -> float:
 
 
 @case("turned-together", GROUP, OFF, 0.01, contract="translation", why=EDGES)
-def turned_together(lab: Lab) -> float:
+def turned_together(lab: CaseRunner) -> float:
     """Camera and scene turned together give the same picture."""
     scene = default_scene()
     turn = place((1, 1, 1), (0, 0, 0), 1.0)
@@ -83,30 +84,30 @@ def turned_together(lab: Lab) -> float:
 
 
 @case("more-occluders", GROUP, "growth of mean visibility", STEP, contract="occluder")
-def occluder(lab: Lab) -> float:
+def occluder(lab: CaseRunner) -> float:
     """A box put into a corner makes the rest of the corner no brighter on the whole."""
     bare = corner()
-    cube = Draw(*box(), transforms=place((0.25, 0.25, 0.25), (0, 0, -4.4), 0.5)[None])
-    before, after = lab.render(bare, lens()), lab.render(Scene([*bare.draws, cube]), lens())
+    cube = Mesh(*box(), transforms=place((0.25, 0.25, 0.25), (0, 0, -4.4), 0.5)[None])
+    before, after = lab.render(bare, lens()), lab.render(Scene([*bare.meshes, cube]), lens())
     same = np.abs(before.depth - after.depth) < 1e-4
     return float((after.visibility - before.visibility)[same].mean())
 
 
 @case("left-out", GROUP, "share of pixels that differ at all", 0.0, traps=(27,), why="the same bytes")
-def left_out(lab: Lab) -> float:
+def left_out(lab: CaseRunner) -> float:
     """What is left out because the scene does not need it changes nothing: sky, and what nothing stands above."""
-    walls = Draw(*box(), transforms=place((4, 3, 6), (0, 0, -4))[None])
-    cube = Draw(*box(), transforms=place((0.7, 0.7, 0.7), (0.5, -2, -6), 0.5)[None])
+    walls = Mesh(*box(), transforms=place((4, 3, 6), (0, 0, -4))[None])
+    cube = Mesh(*box(), transforms=place((0.7, 0.7, 0.7), (0.5, -2, -6), 0.5)[None])
     # Open blocks are looked for where taps are many, by methods that are exact there.
     many = {"scale": 1, "steps": 12} if getattr(lab.subject.method, "open_is_exact", False) else {}
     shots = [Shot(lens(), Scene([walls, cube]), blur=blur, changes=many) for blur in ("none", "joint")]
     shots += [Shot(lens(), depth=cast(lens(), lab.size, *room()), blur=blur) for blur in ("none", "joint")]
-    pairs = [(lab.see(shot).visibility, lab.see(shot.but(keep=tuple(RULES))).visibility) for shot in shots]
+    pairs = [(lab.see(shot).visibility, lab.see(shot.but(keep=tuple(CULLING_RULES))).visibility) for shot in shots]
     return max(float((a != b).mean()) for a, b in pairs)
 
 
 @case("same-bytes", GROUP, "share of pixels that differ at all", 0.0, why="the same bytes")
-def again(lab: Lab) -> float:
+def again(lab: CaseRunner) -> float:
     """The same input gives the same bytes, also when other pictures were drawn in between."""
     z = cast(lens(), lab.size, *room())
     first = lab.apply(z, lens(), blur="joint").visibility
@@ -116,7 +117,7 @@ def again(lab: Lab) -> float:
 
 
 @case("provider", GROUP, OFF, 0.005, why="drivers round taps on texel borders differently")
-def provider(lab: Lab) -> float:
+def provider(lab: CaseRunner) -> float:
     """This driver draws what the first one that opens draws."""
     first = lab.first()
     if first.ctx.provider == lab.renderer.ctx.provider:

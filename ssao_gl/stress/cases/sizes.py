@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...camera import Camera
 from ...errors import ContextError
+from ...scene.camera import Camera
+from ..analytic_depth import cast, flat, room
 from ..case import case
-from ..fields import cast, flat, room
-from ..lab import Lab
+from ..runner import CaseRunner
 from ..shapes import lens
 from ..shot import Shot, share
 
@@ -16,7 +16,7 @@ GROUP = "sizes"
 
 
 @case("one-pixel", GROUP, "1 - darkest pixel", contract="plane", traps=(17, 22))
-def one(lab: Lab) -> float:
+def one(lab: CaseRunner) -> float:
     """An image of one pixel, and of two by two on a plane, is open: no tap is left."""
     camera = lens()
     sizes = (1, 1), (2, 2)
@@ -24,7 +24,7 @@ def one(lab: Lab) -> float:
 
 
 @case("any-size", GROUP, "1 - mean visibility", 1.0, traps=(17, 22, 23), why="finite is what is asked")
-def ladder(lab: Lab) -> float:
+def ladder(lab: CaseRunner) -> float:
     """Odd, narrow and tiny images keep what every picture promises."""
     camera = lens()
     sizes = (1, 1), (1, 40), (40, 1), (2, 2), (3, 2), (5, 7), (33, 17)
@@ -41,7 +41,7 @@ def ladder(lab: Lab) -> float:
     traps=(22, 40),
     why="16384 pixels along, a coordinate is exact to a thousandth of a pixel: taps on the very edge of a texel may round",
 )
-def largest(lab: Lab) -> float:
+def largest(lab: CaseRunner) -> float:
     """A pattern across the largest image that the driver draws looks the same at both ends: no coordinate runs out of bits."""
     w = min(lab.renderer.ctx.max_size, 65536)
     worst = 0.0
@@ -57,7 +57,7 @@ def largest(lab: Lab) -> float:
 
 
 @case("too-large", GROUP, "1 when it is not refused", 0.0, traps=(22,), why="a refusal in words", once=True)
-def too_large(lab: Lab) -> float:
+def too_large(lab: CaseRunner) -> float:
     """An image larger than the driver's largest texture is refused in one line, before anything is drawn."""
     side = lab.renderer.ctx.max_size + 1
     shot = Shot(lens(), depth=np.full((1, side), 5.0, np.float32))
@@ -76,7 +76,7 @@ def too_large(lab: Lab) -> float:
     traps=(23,),
     why="another grid of pixels, and noise that does not fit the tile",
 )
-def odd(lab: Lab) -> float:
+def odd(lab: CaseRunner) -> float:
     """An image one pixel narrower and lower is as dark on the whole."""
     camera = lens()
     w, h = lab.size

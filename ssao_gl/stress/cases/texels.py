@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..analytic_depth import cast, flat, room, window_depth
 from ..case import case
-from ..fields import cast, flat, room, window_depth
-from ..lab import Lab
+from ..runner import CaseRunner
 from ..shapes import lens
 from ..shot import share
 
@@ -33,7 +33,7 @@ def sprinkled(
 
 
 @case("unusable-depth", GROUP, EXACT, 0.0, traps=(3, 28, 42), why="the same bytes")
-def unusable(lab: Lab) -> float:
+def unusable(lab: CaseRunner) -> float:
     """NaN, infinite, negative, denormal and overflowing depth is background: the same bytes as with zeros there."""
     camera = lens()
     z = cast(camera, lab.size, *room())
@@ -44,7 +44,7 @@ def unusable(lab: Lab) -> float:
 
 
 @case("unusable-window-depth", GROUP, EXACT, 0.0, contract="", traps=(3, 28), why="the same bytes")
-def unusable_window(lab: Lab) -> float:
+def unusable_window(lab: CaseRunner) -> float:
     """NaN and infinity in window depth are background: the same bytes as with the far plane there."""
     camera = lens()
     d = window_depth(camera, cast(camera, lab.size, *room()))
@@ -55,7 +55,7 @@ def unusable_window(lab: Lab) -> float:
 
 
 @case("window-depth-out-of-range", GROUP, "1 - mean visibility", 1.0, traps=(2, 3, 28), why="finite is what is asked")
-def beyond(lab: Lab) -> float:
+def beyond(lab: CaseRunner) -> float:
     """Window depth below 0, above 1 and at the poles of the projection keeps what every picture promises."""
     camera = lens()
     d = window_depth(camera, cast(camera, lab.size, *room())).astype(np.float64)
@@ -65,7 +65,7 @@ def beyond(lab: Lab) -> float:
 
 
 @case("extreme-depth", GROUP, "1 - mean visibility", 1.0, traps=(9, 28, 42), why="finite is what is asked")
-def extreme(lab: Lab) -> float:
+def extreme(lab: CaseRunner) -> float:
     """Depths from 2e-19 to 9e18 beside each other keep what every picture promises."""
     camera = lens()
     z = cast(camera, lab.size, *room())
@@ -74,7 +74,7 @@ def extreme(lab: Lab) -> float:
 
 
 @case("no-surface", GROUP, "share of pixels that are not open", 0.0, traps=(3, 26), why="exactly open")
-def nothing(lab: Lab) -> float:
+def nothing(lab: CaseRunner) -> float:
     """An image of background alone is open everywhere, whichever way background is written."""
     camera = lens()
     w, h = lab.size
@@ -84,7 +84,7 @@ def nothing(lab: Lab) -> float:
 
 
 @case("lone-texels", GROUP, DARKEST, contract="lone texel", traps=(17, 27))
-def lone(lab: Lab) -> float:
+def lone(lab: CaseRunner) -> float:
     """Single texels of a surface in a sea of background are open: nothing is there to occlude them."""
     camera = lens()
     w, h = lab.size
@@ -94,7 +94,7 @@ def lone(lab: Lab) -> float:
 
 
 @case("unusable-normals", GROUP, EXACT, 0.0, traps=(8, 28), why="the same bytes")
-def bad_normals(lab: Lab) -> float:
+def bad_normals(lab: CaseRunner) -> float:
     """NaN, infinite and zero normals are read as facing the viewer: the same bytes as with (0, 0, 1) there."""
     camera = lens()
     depth = cast(camera, lab.size, flat((0, 0, -5), (0, 0.3, 1)))
@@ -117,7 +117,7 @@ def bad_normals(lab: Lab) -> float:
     traps=(25,),
     why="the square of the radius, 24 of 64 pixels wide",
 )
-def local(lab: Lab) -> float:
+def local(lab: CaseRunner) -> float:
     """A single wrong texel changes pixels within the radius of it, and no others."""
     camera = lens()
     depth = cast(camera, lab.size, flat((0, 0, -5), (0, 0.3, 1)))

@@ -1,0 +1,119 @@
+"""All that a report knows, as one plain mapping: what results.json holds, and what pages and tables are made from."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import FormatError
+from ..io.atomic import why_unreadable
+from ..io.journal import Journal
+from .fit_track import fits
+from .points import MEDIAN, constants, method_hypervolume, points, size_text
+from .statistics import mean
+from .sweep import BUDGETS, LIMITS, Sweep
+
+FORMAT = "ssao_gl report 1"
+KINDS = ("view", "shipped", "rays", "fitted", "split", "scaling", "rules")
+
+Results = dict[str, Any]
+
+
+def results(sweep: Sweep, journal: Journal, machine: Mapping[str, Any], made: str, command: str) -> Results:
+    """What the journal has for a sweep, and what follows from it."""
+    names = {view.name for view in sweep.views}
+    labels = {variant.label for variant in sweep.variants} | {""}
+    methods = {variant.method for variant in sweep.variants} if sweep.scaling else set()
+    rows = {
+        kind: [
+            row
+            for row in journal.rows(kind)
+            if row["view"] in names and row["variant"] in (methods if kind == "scaling" else labels)
+        ]
+        for kind in KINDS
+    }
+    found_fits = fits(sweep, journal)
+    keys = {label: scalars.key for label, (scalars, _) in found_fits.items()}
+    rows["fitted"] = [row for row in rows["fitted"] if row["at"] == keys.get(row["variant"])]
+    rows["rules"] = rows["rules"] if sweep.rules else []
+    rows["split"] = [row for row in rows["split"] if sweep.split and row["at"] == size_text(sweep.split)]
+    _borrow_yardstick(rows)
+    scenes = list(dict.fromkeys(view.scene for view in sweep.views))
+    found = {
+        "format": FORMAT,
+        "made": made,
+        "command": command,
+        "machine": dict(machine),
+        "settings": sweep.header(dict(machine), ""),
+        "budgets": list(BUDGETS),
+        "limits": list(LIMITS),
+        "scenes": {"fit": list(sweep.fit), "test": [name for name in scenes if name not in sweep.fit]},
+        "order": [variant.label for variant in sweep.variants],
+        "fits": {label: {**dataclasses.asdict(scalars), "rmse": error} for label, (scalars, error) in found_fits.items()},
+        "rows": rows,
+    }
+    found["sizes"] = [_at_size(found, size_text(size)) for size in dict.fromkeys(view.size for view in sweep.views)]
+    return found
+
+
+def _borrow_yardstick(rows: Mapping[str, list[dict[str, Any]]]) -> None:
+    """Rays are compared with the yardstick that the methods of the same view were timed with."""
+    yard = {row["view"]: row.get("yardstick") for row in rows["shipped"] if row.get("yardstick")}
+    rows["rays"][:] = [{**row, "yardstick": yard.get(row["view"])} for row in rows["rays"]]
+
+
+def _at_size(found: Results, size: str) -> dict[str, Any]:
+    """The points of all tracks at one size."""
+    rows = found["rows"]
+    views = [row for row in rows["view"] if size_text(row["size"]) == size]
+    every = {row["view"] for row in views}
+    fitting = {row["view"] for row in views if row["scene"] in found["scenes"]["fit"]}
+    # With nothing held out the fit can only be shown where it was made; the page says so.
+    held = (every - fitting) or every
+    still = constants(views, fitting)
+    timed = _one_a_view(rows["shipped"], every)
+    yardstick, by_cpu = (mean([row["yardstick"][clock][MEDIAN] for row in timed]) for clock in ("wall", "cpu"))
+    shipped = points([*rows["shipped"], *rows["rays"]], every, track="shipped")
+    worst = still[-1]["errors"]["rmse"] if still else 0.0
+    methods = dict.fromkeys(point["method"] for point in shipped)
+    return {
+        "size": size,
+        "views": sorted(every),
+        "held_out": sorted(held),
+        "yardstick_ms": yardstick,
+        "yardstick_cpu_ms": by_cpu,
+        "constants": still,
+        "shipped": shipped,
+        "shipped_held_out": points([*rows["shipped"], *rows["rays"]], held, track="shipped"),
+        "fitted_held_out": points(rows["fitted"], held, track="fitted"),
+        "hypervolume": {
+            "worst": worst,
+            "all": method_hypervolume([p for p in shipped if p["method"] != "rays"], yardstick, worst),
+            **{name: method_hypervolume([p for p in shipped if p["method"] == name], yardstick, worst) for name in methods},
+        },
+    }
+
+
+def _one_a_view(rows: list[dict[str, Any]], views: set[str]) -> list[dict[str, Any]]:
+    """The first row with a yardstick of each view."""
+    first: dict[str, dict[str, Any]] = {}
+    for row in rows:
+        if row["view"] in views and row.get("yardstick"):
+            first.setdefault(row["view"], row)
+    return list(first.values())
+
+
+def load_results(path: Path) -> Results:
+    """A results.json. Raises FormatError for a file that is none, or damaged."""
+    if reason := why_unreadable(path):
+        raise FormatError(f"{path}: {reason}; expected the results.json of a report")
+    try:
+        found: Results = json.loads(path.read_text("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise FormatError(f"{path}: damaged, or not JSON ({' '.join(str(error).split())[:120]})") from None
+    if not isinstance(found, dict) or found.get("format") != FORMAT or not isinstance(found.get("rows"), dict):
+        raise FormatError(f"{path}: not the results.json of a report ('format' is not '{FORMAT}')")
+    return found

@@ -1,0 +1,84 @@
+"""A view made ready for measuring: its scene, its truth, and pictures of it by any settings."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..gl.timer import PassTime
+from ..metrics import visibility as metrics
+from ..pipeline.settings import Settings
+from ..render.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size
+from ..truth import Surface, Tracing, Truth, surface, trace
+from ..truth.trace import TraceProgress
+
+F32 = NDArray[np.float32]
+
+
+@dataclass(eq=False)
+class ViewSetup:
+    """One camera of one scene at one size. ``cache`` is the folder of traced results."""
+
+    renderer: Renderer
+    scene: Scene
+    camera: Camera
+    size: Size
+    tracing: Tracing
+    cache: Path | None
+    progress: TraceProgress | None = None
+
+    @cached_property
+    def truth(self) -> Truth:
+        """By rays; from the cache when it is there."""
+        return trace(self.scene, self.camera, self.size, self.tracing, cache=self.cache, progress=self.progress)
+
+    @cached_property
+    def surface(self) -> Surface:
+        """Where the rays of baselines start."""
+        return surface(self.scene, self.camera, self.size)
+
+    @property
+    def radius(self) -> float:
+        """Reach of occlusion in this view, scene units: that of the truth."""
+        return self.tracing.radius or self.camera.ao_radius or self.scene.default_radius()
+
+    @cached_property
+    def depth(self) -> F32:
+        """(h, w) linear depth where both rays and the rasteriser see a surface, else 0."""
+        drawn = self.renderer.render(self.scene, self.camera, self.size, Settings(), aovs=("depth",)).depth
+        return np.where(drawn > 0, self.truth.depth, 0).astype(np.float32)
+
+    def settled(self, settings: Settings, factor: float = 1.0) -> Settings:
+        """``settings`` with the radius that this view gives them, times ``factor``."""
+        settings = settings.with_radius(self.radius)
+        if factor == 1.0:
+            return settings
+        return dataclasses.replace(
+            settings,
+            method=dataclasses.replace(settings.method, radius=settings.method.radius * factor),  # type: ignore[type-var]
+        )
+
+    def draw(self, settings: Settings) -> F32:
+        """Visibility (h, w)."""
+        return self.renderer.render(self.scene, self.camera, self.size, self.settled(settings), aovs=("visibility",)).visibility
+
+    def time(self, settings: Settings) -> list[PassTime]:
+        """Milliseconds of each pass of one frame."""
+        return self.renderer.time(self.scene, self.camera, self.size, self.settled(settings), aovs=("visibility",))
+
+    def errors(self, visibility: NDArray[Any]) -> dict[str, float]:
+        """Every metric against the truth."""
+        return metrics.measure(visibility, self.truth.visibility, self.depth)
+
+    def rmse(self, one: NDArray[Any], other: NDArray[Any]) -> float:
+        """Between two visibilities (h, w), on the foreground."""
+        return metrics.rmse(one.astype(np.float64), other.astype(np.float64), self.depth > 0)

@@ -1,0 +1,182 @@
+"""A scene's vertex data in GL buffers, and how it is drawn into a G-buffer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.camera import Camera
+from ..scene.model import Mesh, Scene
+from ..scene.projection import Matrix, ViewConstants
+from .programs import GpuResources
+
+CHUNK = 1 << 18
+"""Vertices converted and uploaded at a time, so that no second copy of a large mesh is made."""
+
+STIFF = 1 << 12
+"""Ratio of far to near from which depth is drawn in logarithms, at the price of an early depth test: beyond it a step of
+24-bit depth is more than 1/4000 of the far distance."""
+
+LIGHT = (-0.36, 0.48, 0.8)
+"""Unit vector to the light in view space: over the viewer's left shoulder."""
+
+
+class SceneBuffers:
+    """A scene's vertex data in GL buffers. Set ``camera`` before each frame."""
+
+    def __init__(self, kit: GpuResources, scene: Scene) -> None:
+        self.scene = scene
+        self.camera: Camera | None = None
+        self._kit = kit
+        self._owned: list[Any] = []
+        self._arrays: dict[Any, moderngl.VertexArray] = {}
+        self._center = scene.bounds.mean(0)
+        try:
+            self._draws = [self._upload(draw) for draw in scene.meshes if len(draw.triangles) and len(draw.transforms)]
+        except BaseException:
+            self.release()
+            raise
+
+    def _upload(self, draw: Mesh) -> tuple[Mesh, dict[str, tuple[Any, str]], Any]:
+        count = len(draw.positions)
+        # Vertices about the middle of the mesh, transforms about the middle of the scene: differences of large
+        # coordinates are taken here, in 64-bit.
+        middle = (draw.positions.min(0).astype(np.float64) + draw.positions.max(0)) / 2
+        place = draw.transforms.copy()
+        place[:, :3, 3] += place[:, :3, :3] @ middle - self._center
+        buffers: dict[str, tuple[Any, str]] = {
+            "a_position": (self._fill(count, 12, lambda s: (draw.positions[s] - middle).astype("f4")), "3f"),
+            "a_model": (self._buffer(np.ascontiguousarray(place.transpose(0, 2, 1), "f4")), "16f/i"),
+        }
+        if draw.normals is not None:
+            normals = draw.normals
+            buffers["a_normal"] = (self._fill(count, 8, lambda s: _snorm16(normals[s])), "4i2")
+        if draw.vertex_colors is not None:
+            buffers["a_color"] = (self._buffer(np.ascontiguousarray(draw.vertex_colors)), "4f1")
+        return draw, buffers, self._buffer(np.ascontiguousarray(draw.triangles))
+
+    def _buffer(self, data: NDArray[Any] | None = None, *, reserve: int = 0) -> moderngl.Buffer:
+        made = self._kit.ctx.mgl.buffer(data, reserve=reserve)
+        self._owned.append(made)
+        return made
+
+    def _fill(self, count: int, stride: int, part: Any) -> moderngl.Buffer:
+        buffer = self._buffer(reserve=max(count * stride, 1))
+        for start in range(0, count, CHUNK):
+            buffer.write(np.ascontiguousarray(part(slice(start, start + CHUNK))), offset=start * stride)
+        return buffer
+
+    def draw(self, view: ViewConstants, writes: Sequence[str], uniforms: Mapping[str, Any], defines: Mapping[str, int]) -> None:
+        """Draw everything into the bound framebuffer, whose targets are ``writes`` in this order."""
+        assert self.camera is not None
+        to_view = np.asarray(np.linalg.inv(self.camera.pose), np.float64)
+        from_center = to_view.copy()
+        from_center[:3, 3] += to_view[:3, :3] @ self._center
+        projection = fit_depth_range(view, *self._depth_range(from_center))
+        if stiff := log_depth(view, projection):
+            projection, u_log = stiff
+            uniforms, defines = {**uniforms, "u_log": u_log}, {**defines, "LOG_DEPTH": 1}
+        shared = {
+            "u_view": tuple(from_center.T.ravel()),
+            "u_projection": tuple(projection.T.ravel()),
+            "u_light": LIGHT,
+            **uniforms,
+        }
+        for number, (draw, buffers, index) in enumerate(self._draws):
+            program = self._kit.program("gbuffer.vert", "gbuffer.frag", {**_defines(draw, writes, defines), **defines})
+            key = (number, program)
+            vao = self._arrays.get(key)
+            if vao is None:
+                content = [(buffers[n][0], buffers[n][1], n) for n in buffers if n in program.mgl]
+                vao = self._arrays[key] = self._kit.ctx.mgl.vertex_array(program.mgl, content, index)
+            program.set(shared)
+            program.set({"u_color": (*draw.color, 1.0)})
+            vao.render(moderngl.TRIANGLES, instances=len(draw.transforms))
+
+    def _depth_range(self, from_center: Matrix) -> tuple[float, float]:
+        """Smallest and largest linear depth of the scene's bounding box."""
+        half = (self.scene.bounds[1] - self.scene.bounds[0]) / 2
+        middle = -from_center[2, 3]
+        reach = float(np.abs(from_center[2, :3]) @ half)
+        return middle - reach, middle + reach
+
+    def release(self) -> None:
+        """Free every buffer."""
+        for array in self._arrays.values():
+            array.release()
+        for buffer in self._owned:
+            buffer.release()
+        self._arrays, self._owned, self._draws = {}, [], []
+
+
+def fit_depth_range(view: ViewConstants, nearest: float, farthest: float) -> Matrix:
+    """The projection of ``view`` with its depth row rebuilt so that the depth buffer spans just what can be seen.
+
+    The clip planes stay where the camera put them unless the scene lies between them. Reversed, infinite and 0..1
+    projections become OpenGL's -1..1, so one depth test serves all; x, y and w are untouched.
+    """
+    near, far = view.near, view.far
+    margin = 1e-3 * (farthest - nearest) + 1e-6 * max(abs(nearest), abs(farthest))
+    near = max(near, nearest - margin)
+    far = min(far, max(farthest + margin, near * (1 + 1e-3) + margin))
+    if not far > near:  # the whole scene lies outside: any valid range will do, everything is clipped
+        near, far = view.near, view.near + max(abs(view.near), 1.0)
+    m = view.projection.copy()
+    w = {z: view.w1 * z + view.w0 for z in (near, far)}
+    slope = (w[far] + w[near]) / (far - near)
+    m[2] = (0, 0, -slope, -w[near] - slope * near)
+    return m
+
+
+def log_depth(view: ViewConstants, projection: Matrix) -> tuple[Matrix, tuple[float, float]] | None:
+    """For ranges in which plain depth would not tell far surfaces apart: what draws depth in logarithms; None for others.
+
+    That is the projection with its far plane at infinity (32-bit floats would miss a plane so near to 1; depth above 1 fails
+    the test instead), and (1 / near, 1 / log2(far / near)). A step of plain depth is the share ``far / near 2^-24`` of the
+    far distance, a step of its logarithm ``ln(far / near) 2^-24`` of any.
+    """
+    if view.w0 != 0 or view.w1 == 0:
+        return None
+    near, far = (-float(projection[2, 3]) / (end * view.w1 - float(projection[2, 2])) for end in (1, -1))
+    if not far > STIFF * near > 0:
+        return None
+    endless = projection.copy()
+    endless[2] = (0, 0, -view.w1, -2 * view.w1 * near)
+    return endless, (1 / near, 1 / math.log2(far / near))
+
+
+TARGETS = {
+    "z": "DEPTH_TARGET",
+    "z2": "DEPTH_TARGET",
+    "normal": "NORMAL_TARGET",
+    "shading_normal": "SHADING_NORMAL_TARGET",
+    "color": "COLOR",
+}
+"""Resource -> the define that makes the shader write it."""
+
+
+def _defines(draw: Mesh, writes: Sequence[str], given: Mapping[str, int]) -> dict[str, int]:
+    """What the shader of a mesh must do, and no more."""
+    defines: dict[str, int] = {"TARGETS": len(writes)} | {TARGETS[name]: index for index, name in enumerate(writes)}
+    smooth = {"shading_normal", "color"} | (set() if "GEOMETRIC" in given else {"normal"})
+    if "normal" in writes or smooth & set(writes):
+        defines["NORMAL"] = 1
+    if smooth & set(writes) and draw.normals is not None:
+        defines["SMOOTH"] = 1
+    if "color" in writes and draw.vertex_colors is not None:
+        defines["VERTEX_COLOR"] = 1
+    return defines
+
+
+def _snorm16(normals: NDArray[np.float32]) -> NDArray[np.int16]:
+    """Unit normals as 16-bit integers (n, 4), error below 2e-5; what is not finite becomes 0 and is replaced on the GPU."""
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    unit = np.divide(normals, length, out=np.zeros_like(normals), where=np.isfinite(length) & (length > 0))
+    out = np.zeros((len(normals), 4), np.int16)
+    out[:, :3] = np.round(unit * 32767)
+    return out

@@ -1,0 +1,176 @@
+"""Reading and writing pictures and arrays by suffix, and the one place where rows are flipped.
+
+Arrays are (h, w) or (h, w, c) with row 0 on top; OpenGL's have row 0 at the bottom.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import FormatError
+from .atomic import atomic_write, why_unreadable
+
+if TYPE_CHECKING:
+    from PIL.PngImagePlugin import PngInfo
+
+SUFFIXES = (".png", ".npy", ".exr")
+MAX_PIXELS = 1 << 30
+"""Larger pictures are refused on reading: a few bytes of a hostile file can claim any size."""
+
+PICTURES = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF", "PPM", "TGA")
+"""Pillow's formats that are read. Some of the others start programs (Ghostscript for EPS)."""
+
+
+def flipped(array: NDArray[Any]) -> NDArray[Any]:
+    """Rows in the other order, contiguous: from OpenGL's to ours and back."""
+    return np.ascontiguousarray(array[::-1])
+
+
+def to_bytes(values: NDArray[Any], bits: int = 8) -> NDArray[Any]:
+    """Values in 0..1 to unsigned integers of 8 or 16 bits, rounded; NaN gives 0."""
+    top = 255 if bits == 8 else 65535
+    rounded: NDArray[Any] = np.round(np.clip(np.nan_to_num(values), 0, 1) * top)
+    return rounded.astype(np.uint8 if bits == 8 else np.uint16)
+
+
+def save_image(path: Path | str, array: NDArray[Any], *, texts: Mapping[str, str] | None = None) -> None:
+    """Write an array by suffix: PNG (uint8 or uint16, grey, RGB or RGBA), NPY, EXR (float32). Raises FormatError."""
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise FormatError(f"cannot write {path}: suffix '{suffix}'; use one of {', '.join(SUFFIXES)}, or a folder")
+    with atomic_write(path) as temporary:
+        if suffix == ".npy":
+            with temporary.open("wb") as file:
+                np.save(file, array, allow_pickle=False)
+        elif suffix == ".exr":
+            _save_exr(temporary, array, texts or {})
+        else:
+            _save_png(temporary, array, texts or {})
+
+
+def _save_png(path: Path, array: NDArray[Any], texts: Mapping[str, str]) -> None:
+    from PIL import Image
+
+    if array.dtype == np.uint16 and array.ndim == 3:
+        raise FormatError(f"16-bit PNG is for grey pictures (depth, visibility); this one has {array.shape[2]} channels")
+    if array.dtype not in (np.uint8, np.uint16):
+        array = to_bytes(array)
+    Image.fromarray(array).save(path, format="PNG", pnginfo=png_texts(texts), compress_level=4)
+
+
+def png_texts(texts: Mapping[str, str]) -> PngInfo:
+    """The text chunks of a PNG file."""
+    from PIL.PngImagePlugin import PngInfo
+
+    info = PngInfo()
+    for key, text in texts.items():
+        info.add_text(key, text)
+    return info
+
+
+def png_bytes(array: NDArray[np.uint8]) -> bytes:
+    """A PNG file in memory."""
+    from io import BytesIO
+
+    from PIL import Image
+
+    out = BytesIO()
+    Image.fromarray(array).save(out, format="PNG")
+    return out.getvalue()
+
+
+def _save_exr(path: Path, array: NDArray[Any], texts: Mapping[str, str]) -> None:
+    try:
+        import OpenEXR
+    except ImportError:
+        raise FormatError("EXR needs the package OpenEXR: pip install 'ssao_gl[exr]'") from None
+    if array.dtype == np.uint8:
+        array = array.astype(np.float32) / 255
+    array = np.ascontiguousarray(array, np.float32)
+    name = "Y" if array.ndim == 2 else {3: "RGB", 4: "RGBA"}[array.shape[2]]
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **dict(texts)}
+    with OpenEXR.File(header, {name: array}) as file:
+        try:
+            file.write(str(path))
+        except RuntimeError as error:  # all that the library says of a full disk
+            raise OSError("the EXR encoder failed") from error
+
+
+def load_image(path: Path | str) -> NDArray[Any]:
+    """Read a picture or array: PNG and what else Pillow reads (uint8 or uint16), NPY, EXR (float32). Raises FormatError."""
+    path = Path(path)
+    if reason := why_unreadable(path):
+        raise FormatError(f"{path}: {reason}; expected a picture or array")
+    suffix = path.suffix.lower()
+    try:
+        if suffix == ".npy":
+            array = _load_npy(path)
+        elif suffix == ".exr":
+            array = _load_exr(path)
+        else:
+            array = _load_picture(path)
+    except FormatError:
+        raise
+    except Exception as error:
+        raise FormatError(f"{path}: not a readable picture or array ({_brief(error)})") from None
+    if array.ndim not in (2, 3) or 0 in array.shape or array.dtype.kind not in "fiub":
+        raise FormatError(f"{path}: holds {array.dtype} of shape {array.shape}; expected numbers, (h, w) or (h, w, channels)")
+    return array
+
+
+def _load_npy(path: Path) -> NDArray[Any]:
+    # Mapped, so that a header which claims more than the file holds fails before memory is taken.
+    mapped = np.load(path, mmap_mode="r", allow_pickle=False)
+    if not isinstance(mapped, np.ndarray):
+        raise FormatError(f"{path}: is an archive of arrays (NPZ); expected one array (NPY)")
+    return np.array(mapped)
+
+
+def _load_picture(path: Path) -> NDArray[Any]:
+    from PIL import Image
+
+    with warnings.catch_warnings(), _pillow_limit(), Image.open(path, formats=PICTURES) as image:
+        warnings.simplefilter("error", Image.DecompressionBombWarning)
+        if image.mode in ("I", "I;16", "I;16B", "I;16L"):
+            return np.asarray(image).astype(np.uint16)
+        if image.mode not in ("L", "RGB", "RGBA", "F"):
+            image = image.convert("RGBA" if "A" in image.mode or "transparency" in image.info else "RGB")  # type: ignore[assignment]
+        return np.asarray(image)
+
+
+@contextmanager
+def _pillow_limit() -> Iterator[None]:
+    """Pillow's own limit is a global of that package, which belongs to the caller."""
+    from PIL import Image
+
+    before, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, MAX_PIXELS
+    try:
+        yield
+    finally:
+        Image.MAX_IMAGE_PIXELS = before
+
+
+def _load_exr(path: Path) -> NDArray[Any]:
+    try:
+        import OpenEXR
+    except ImportError:
+        raise FormatError("EXR needs the package OpenEXR: pip install 'ssao_gl[exr]'") from None
+    with OpenEXR.File(str(path)) as file:
+        channels = file.channels()
+        for name in ("RGBA", "RGB", "Y", "Z", "V"):
+            if name in channels:
+                return np.asarray(channels[name].pixels, np.float32)
+        return np.asarray(next(iter(channels.values())).pixels, np.float32)
+
+
+def _brief(error: BaseException) -> str:
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text[:160]}" if text else type(error).__name__

@@ -1,0 +1,41 @@
+"""Scenes and cameras from whatever a caller has."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..errors import SceneError, SettingsError
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from . import pyrender_scenes
+from .camera_files import load_camera
+from .load import load_scene
+
+
+def as_scene(source: Any) -> Scene:
+    """A scene from a path, a ``trimesh.Trimesh`` or ``Scene``, a ``pyrender.Scene``, or itself. Raises SceneError."""
+    if isinstance(source, Scene):
+        return source
+    if isinstance(source, str | Path):
+        return load_scene(source)
+    if pyrender_scenes.is_pyrender_scene(source):
+        return pyrender_scenes.from_pyrender(source)
+    if any(kind.__module__.split(".")[0] == "trimesh" for kind in type(source).__mro__):
+        from .trimesh_scenes import from_trimesh
+
+        return from_trimesh(source)
+    raise SceneError(
+        f"cannot draw a {type(source).__name__}; expected a path, Scene, trimesh.Trimesh, trimesh.Scene or pyrender.Scene"
+    )
+
+
+def as_camera(source: Any) -> Camera:
+    """A camera from a camera file (``"FILE.cam.json:NAME"``), a ``pyrender.Scene`` with a camera, or itself."""
+    if isinstance(source, Camera):
+        return source
+    if isinstance(source, str | Path):
+        return load_camera(str(source))
+    if pyrender_scenes.is_pyrender_scene(source):
+        return pyrender_scenes.camera_from_pyrender(source)
+    raise SettingsError(f"cannot use a {type(source).__name__} as camera; expected a Camera, a camera file or a pyrender.Scene")

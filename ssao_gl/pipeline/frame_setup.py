@@ -1,0 +1,46 @@
+"""How a view of a scene is framed: what is drawn around the image, where in it the scene can be seen, and by which plan."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..graph.plan import Plan
+from ..graph.regions import DrawRegion
+from ..scene.camera import Camera, CropLens
+from ..scene.model import Scene
+from ..scene.projection import Size, ViewConstants
+from ..scene.screen_bounds import screen_bounds
+from .build import plan_render
+from .settings import GUARD_STEP, Settings, guard_band
+
+
+@dataclass(frozen=True, slots=True)
+class FrameSetup:
+    """settings: with a radius. outer: size of all that is drawn, the guard included, which ``view`` shows. triangles: of a scene
+    that surrounds the camera, else None. drawn: which part of it is drawn."""
+
+    settings: Settings
+    outer: Size
+    triangles: int | None
+    view: ViewConstants
+    drawn: DrawRegion
+
+    def plan(self, aovs: Sequence[str]) -> Plan:
+        """The plan that a renderer draws it by."""
+        return plan_render(self.settings, self.outer, aovs, triangles=self.triangles)
+
+
+def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, limit: int) -> FrameSetup:
+    """Of an image of ``size`` pixels; ``limit``: largest side of a texture."""
+    settings = settings.with_radius(camera.ao_radius or scene.default_radius())
+    (w, h), room = size, (limit - max(size)) // 2 // GUARD_STEP * GUARD_STEP
+    border = max(0, min(guard_band(settings, camera, size), room))
+    outer = w + 2 * border, h + 2 * border
+    wide = dataclasses.replace(camera, lens=CropLens(camera.lens, size, (-border, -border))) if border else camera
+    view = wide.view(outer)
+    covered = screen_bounds(scene.bounds, camera, view)
+    inside = (border, border, w, h) if border else None
+    drawn = DrawRegion(inside=inside, covered=None if "background" in settings.keep else covered)
+    return FrameSetup(settings, outer, None if covered else scene.triangles, view, drawn)

@@ -1,0 +1,151 @@
+"""Settings from names, TOML files and ``key=value`` texts."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, cast
+
+from ..errors import SettingsError, near_miss
+from ..io.atomic import why_unreadable
+from ..methods.base import Method
+from ..methods.registry import method, presets_of, registry
+from ..passes.denoise import FILTERS, filter_named
+from ..settings import assign
+from .settings import CULLING_RULES, Settings, Shading
+
+DEFAULT_METHOD = "bitmask"
+
+NAMES = ("method", "preset", "blur", "normals", "precision", "keep")
+"""Settings of their own, in no group."""
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """A settings file: ``method`` and ``filter_named`` by name, and tables ``[blur]``... see :func:`settings_from`. Raises SettingsError."""
+    if reason := why_unreadable(path, empty=True):
+        raise SettingsError(f"{path}: {reason}; expected a TOML file with settings")
+    try:
+        return tomllib.loads(path.read_text("utf-8"))
+    except (ValueError, RecursionError) as error:  # TOMLDecodeError and UnicodeDecodeError are ValueErrors
+        raise SettingsError(f"{path}: not TOML ({error})") from None
+
+
+def settings_from(
+    table: Mapping[str, Any] | None = None,
+    *,
+    method_name: str | None = None,
+    preset_name: str | None = None,
+    blur_name: str | None = None,
+    assignments: Iterable[str] = (),
+    overrides: Mapping[str, Any] | None = None,
+    keep: Iterable[str] = (),
+) -> Settings:
+    """Settings in rising order of precedence: defaults, the preset, ``table`` (from TOML), names, ``group.key=value`` texts, overrides.
+
+    Groups are ``shading``, ``filter_named`` (the chosen filter) and the name of the chosen method; a key without a group is the
+    method's, but for ``normals`` and ``precision``. ``overrides`` are fields of the method. Raises SettingsError naming what is
+    unknown.
+    """
+    table = dict(table or {})
+    chosen = _Chosen(
+        {
+            "method": preset(method_name or _text(table, "method", DEFAULT_METHOD), preset_name or _text(table, "preset", "")),
+            "blur": filter_named(blur_name or _text(table, "blur", "joint")),
+            "shading": Shading(),
+            "normals": _text(table, "normals", "geometric"),
+            "precision": _text(table, "precision", "high"),
+            "keep": _rules([*_names(table, "keep"), *keep]),
+        }
+    )
+    for key, value in table.items():
+        chosen.put_entry(key, value)
+    for text in assignments:
+        chosen.put_text(text)
+    for key, value in (overrides or {}).items():
+        if value is not None:
+            chosen.put_field(key, value)
+    return Settings(**chosen.parts)
+
+
+@dataclasses.dataclass(frozen=True)
+class _Chosen:
+    """Settings in the making: their fields by name."""
+
+    parts: dict[str, Any]
+
+    @property
+    def method(self) -> str:
+        return str(self.parts["method"].name)
+
+    def put(self, group: str, values: Mapping[str, Any]) -> None:
+        """Values of a group: ``shading``, ``filter_named``, or a method or a filter by its name."""
+        groups = {self.method: "method", "method": "method", "shading": "shading"}
+        if self.parts["blur"] is not None:
+            groups |= dict.fromkeys(("blur", f"blur_{self.parts['blur'].name}"), "blur")
+        elif group == "blur":
+            raise SettingsError("there is no blur to set anything of: blur is 'none'")
+        if part := groups.get(group):
+            self.parts[part] = assign(self.parts[part], values)
+        elif group not in registry() and group not in {f"blur_{b}" for b in FILTERS}:  # others' settings may stay in a file
+            known = list(dict.fromkeys([*groups, "blur"]))
+            raise SettingsError(
+                f"unknown group of settings '{group}'; there are {', '.join(known)}." + near_miss(group, [*known, *registry()])
+            )
+
+    def put_entry(self, key: str, value: Any) -> None:
+        """An entry of a TOML file."""
+        if isinstance(value, Mapping):
+            self.put(key, value)
+        elif key not in NAMES:
+            raise SettingsError(f"unknown setting '{key}'; groups are tables, like [{self.method}].{near_miss(key, NAMES)}")
+
+    def put_text(self, text: str) -> None:
+        """``key=value`` or ``group.key=value``."""
+        key, equals, value = text.partition("=")
+        if not equals:
+            raise SettingsError(f"--set {text}: must be key=value or group.key=value")
+        key, value = key.strip(), value.strip()
+        if key in ("normals", "precision"):
+            self.parts[key] = value
+            return
+        group, dot, field = key.partition(".")
+        if dot and group in registry() and group != self.method:
+            raise SettingsError(f"--set {text}: the method is {self.method}, not {group}; add --method {group}")
+        self.put(group if dot else self.method, {field if dot else group: value})
+
+    def put_field(self, key: str, value: Any) -> None:
+        """A field of the method, by an option of its own."""
+        fields = sorted(f.name for f in dataclasses.fields(self.parts["method"]))
+        if key not in fields:
+            raise SettingsError(f"--{key}: {self.method} has no such setting; it has {', '.join(fields)}")
+        self.parts["method"] = assign(self.parts["method"], {key: value})
+
+
+def preset(name: str, chosen: str = "") -> Method:
+    """The method called ``name`` under one of its presets, as shipped without. Raises SettingsError for unknown names."""
+    shipped, known = method(name), presets_of(name)
+    if chosen and chosen not in known:
+        raise SettingsError(f"{name} has no preset '{chosen}'; it has {', '.join(known) or 'none'}.{near_miss(chosen, known)}")
+    return cast(Method, assign(shipped, known[chosen]) if chosen else shipped)
+
+
+def _rules(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(CULLING_RULES) if "all" in names else tuple(dict.fromkeys(names))
+
+
+def _names(table: Mapping[str, Any], key: str) -> list[str]:
+    value = table.get(key, [])
+    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+        raise SettingsError(f"{key} = {value!r}: must be a list of names in quotes")
+    return value
+
+
+def _text(table: Mapping[str, Any], key: str, default: str) -> str:
+    value = table.get(key, default)
+    if isinstance(value, Mapping):  # a table [blur] sets the default filter
+        return default
+    if not isinstance(value, str):
+        raise SettingsError(f"{key} = {value!r}: must be a name in quotes")
+    return value

@@ -1,0 +1,123 @@
+"""Everything that decides a picture but the scene, the camera and the size."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..errors import SettingsError, near_miss
+from ..glsl.preprocess import Define
+from ..methods.base import Method
+from ..methods.bitmask import Bitmask
+from ..methods.registry import method
+from ..passes.denoise import Filter, Joint
+from ..scene.camera import Camera, CropLens
+from ..scene.projection import Size
+from ..settings import as_table, setting, validate
+
+GUARD_STEP = 16
+
+CULLING_RULES: Mapping[str, str] = {
+    "background": "pixels that show nothing are not shaded",
+    "open": "blocks of pixels above whose tangent planes nothing stands within the radius are 1 without a tap",
+    "adaptive": "blocks whose probe sees nothing get no taps, for methods that are set to be adaptive",
+}
+"""What is left out where a scene does not need it, by the name that keeps it in."""
+
+PRECISIONS: Mapping[str, Mapping[str, Define]] = {"high": {}, "mobile": {"MOBILE": 1}}
+"""What shaders are told of the precision; see ``lib/precision.glsl``."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shading:
+    """How the picture is lit: an ambient part that occlusion dims, and a light over the viewer's shoulder."""
+
+    ambient: float = setting(0.75, "share of the light that is ambient; for apply: strength of the occlusion", low=0, high=1)
+    background: str = setting("#ffffff", "sRGB colour behind the scene, #rrggbb")
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if not re.fullmatch(r"#[0-9a-fA-F]{6}", self.background):
+            raise SettingsError(f"shading.background='{self.background}': must look like #rrggbb")
+
+    @property
+    def background_rgb(self) -> tuple[float, float, float]:
+        r, g, b = (int(self.background[i : i + 2], 16) / 255 for i in (1, 3, 5))
+        return r, g, b
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """Everything that decides a picture but the scene, the camera and the size."""
+
+    method: Method = field(default_factory=Bitmask)
+    blur: Filter | None = field(default_factory=Joint)
+    shading: Shading = field(default_factory=Shading)
+    normals: str = setting(
+        "geometric",
+        "what occlusion goes by: the triangles' own normals, as rays do, or the mesh's smooth ones",
+        choices=("geometric", "shading"),
+    )
+    precision: str = setting(
+        "high",
+        "mobile: weights and colours as half floats, where the driver has them; never what is a length",
+        choices=tuple(PRECISIONS),
+    )
+    keep: tuple[str, ...] = ()
+    """Rules of leaving out that are switched off, of :data:`CULLING_RULES`."""
+
+    def __post_init__(self) -> None:
+        validate(self)
+        for rule in self.keep:
+            if rule not in CULLING_RULES:
+                raise SettingsError(
+                    f"keep='{rule}': there is no such rule; there are {', '.join(CULLING_RULES)}.{near_miss(rule, CULLING_RULES)}"
+                )
+
+    def with_radius(self, radius: float) -> Settings:
+        """These settings with an automatic radius settled to ``radius`` scene units."""
+        if self.method.radius is not None:
+            return self
+        return dataclasses.replace(self, method=dataclasses.replace(self.method, radius=radius))  # type: ignore[type-var]
+
+    def table(self) -> dict[str, Any]:
+        """All settings as plain values, by group: for JSON and for the text chunks of pictures."""
+        return {
+            "method": self.method.name,
+            self.method.name: as_table(self.method),
+            "blur": self.blur.name if self.blur else "none",
+            **({f"blur_{self.blur.name}": as_table(self.blur)} if self.blur else {}),
+            "shading": as_table(self.shading),
+            "normals": self.normals,
+            "precision": self.precision,
+            **({"keep": list(self.keep)} if self.keep else {}),
+        }
+
+
+def as_method(value: Method | str | None) -> Method:
+    """A method from its name, or itself; None is the default."""
+    if value is None:
+        return Bitmask()
+    return method(value) if isinstance(value, str) else value
+
+
+def small_scale(settings: Settings) -> int:
+    """How many pixels of the image along each side one stands for that occlusion is drawn for.
+
+    1 for methods that cannot be drawn smaller, and under filters that work at full size alone.
+    """
+    scale: int = getattr(settings.method, "scale", 1)
+    return scale if settings.blur is None or isinstance(settings.blur, Joint) else 1
+
+
+def guard_band(settings: Settings, camera: Camera, size: Size) -> int:
+    """Pixels that a renderer draws around the image on each side, so that taps see what lies beside.
+
+    A multiple of ``GUARD_STEP``, so that noise and smaller images keep their places.
+    """
+    height = camera.lens.whole[1] if isinstance(camera.lens, CropLens) else size[1]
+    return math.ceil(getattr(settings.method, "guard", 0.0) * height / GUARD_STEP) * GUARD_STEP

@@ -1,0 +1,84 @@
+"""What is planned for: a scene, or somebody's arrays, drawn with any settings at any size."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..graph.plan import Plan
+from ..graph.regions import DrawRegion
+from ..pipeline.build import EYE_DEPTH, plan_apply
+from ..pipeline.frame_setup import frame_setup
+from ..pipeline.settings import Settings
+from ..render.arrays import check_arrays, radius_of
+from ..render.picture import Picture
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size
+
+if TYPE_CHECKING:
+    from ..render.renderer import Renderer
+
+
+@dataclass(frozen=True)
+class PlanTarget:
+    """What is to be drawn: a scene, or somebody's depth."""
+
+    draw: Callable[[Settings, int, Sequence[str], int], Picture]
+    """With settings, so many times smaller, with some AOVs, timed so many times."""
+    plan: Callable[[Settings], tuple[Plan, DrawRegion]]
+    """What the frame of some settings is drawn by, and which part of it is drawn."""
+    camera: Camera
+    size: Size
+    radius: float
+    layers: int
+
+
+def of_scene(
+    renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings, aovs: Sequence[str]
+) -> PlanTarget:
+    """A scene to be rendered."""
+
+    def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
+        return renderer.render(
+            scene, camera, (max(1, size[0] // smaller), max(1, size[1] // smaller)), one, aovs=wanted, timed=timed
+        )
+
+    def framed(one: Settings) -> tuple[Plan, DrawRegion]:
+        made = frame_setup(scene, camera, size, one, renderer.ctx.max_size)
+        return made.plan(aovs), made.drawn
+
+    radius = settings.method.radius or camera.ao_radius or scene.default_radius()
+    return PlanTarget(draw, framed, camera, size, radius, layers=2)
+
+
+def of_arrays(
+    renderer: Renderer,
+    depth: NDArray[Any],
+    camera: Camera,
+    settings: Settings,
+    *,
+    color: NDArray[Any] | None = None,
+    normals: NDArray[Any] | None = None,
+    depth_kind: str = EYE_DEPTH,
+) -> PlanTarget:
+    """Arrays that occlusion is applied to. Raises FormatError for shapes that do not fit."""
+    depth, color, normals = check_arrays(depth, color, normals)
+    size = (depth.shape[1], depth.shape[0])
+    outputs = ("visibility", "z", "normal", *(("image",) if color is not None else ()))
+
+    def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
+        every = smaller if min(size) >= smaller else 1
+        d, c, n = (None if a is None else np.ascontiguousarray(a[::every, ::every]) for a in (depth, color, normals))
+        return renderer.apply(d, camera, color=c, normals=n, depth_kind=depth_kind, settings=one, aovs=wanted, timed=timed)  # type: ignore[arg-type]
+
+    def framed(one: Settings) -> tuple[Plan, DrawRegion]:
+        made = plan_apply(one, size, depth=depth_kind, normals=normals is not None, outputs=outputs)
+        return made, DrawRegion(inside=None, covered=None)
+
+    radius = settings.method.radius or camera.ao_radius or radius_of(depth, camera, depth_kind)
+    return PlanTarget(draw, framed, camera, size, radius, layers=1)

@@ -1,0 +1,197 @@
+"""The pass for other people's programs: their depth in, visibility or a shaded picture out, their GL state untouched."""
+
+from __future__ import annotations
+
+import operator
+import os
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Any, SupportsIndex
+
+import moderngl
+
+from ..errors import ContextError, FormatError, SettingsError
+from ..gl.context import Context
+from ..gl.executor import FrameExecutor
+from ..gl.external import GuestFramebuffer, texture_size
+from ..gl.guest_state import GuestState
+from ..gl.programs import GpuResources
+from ..gl.providers import wrap_moderngl
+from ..gl.timer import PassTime
+from ..pipeline.build import WINDOW_DEPTH, plan_apply
+from ..pipeline.settings import Settings
+from ..scene.camera import Camera
+from ..scene.projection import Size
+
+Image = moderngl.Texture | SupportsIndex
+"""A texture of the caller's: moderngl's object, or the GL name of a 2-D texture."""
+
+
+class Effect:
+    """Ambient occlusion over a depth texture that you rendered.
+
+    ``ctx`` is your moderngl context or one from :func:`ssao_gl.gl.wrap_current`; it must be current at every call.
+    ``size`` is (width, height) of your textures, in pixels. Radii are in the units of your depth.
+
+        effect = Effect(ctx, (1280, 720), Settings(method=Alchemy(radius=0.3)))
+        visibility = effect.apply(depth=depth_texture, camera=camera)
+
+    Your GL state is as you left it after every call, also when it raises. (What OpenGL gives no way to ask or to pause must
+    be off: conditional rendering, queries that count samples.)
+    """
+
+    def __init__(self, ctx: moderngl.Context | Context, size: Size, settings: Settings | None = None) -> None:
+        self._settings = _with_radius(settings or Settings())
+        self.size = _checked_size(*size)
+        self._ctx = ctx if isinstance(ctx, Context) else wrap_moderngl(ctx)
+        self._guest = GuestState(self._ctx)
+        self._frames: dict[Any, FrameExecutor] = {}
+        self._named: dict[int, moderngl.Texture] = {}
+        self._debug = os.environ.get("SSAO_GL_DEBUG") == "1"
+        self.times: list[PassTime] = []
+        """Milliseconds of each pass of the last call that was ``timed``."""
+        with self._guest:
+            self._kit: GpuResources | None = GpuResources(self._ctx)
+
+    @property
+    def settings(self) -> Settings:
+        """Method, blur and shading; may be set between calls. Raises SettingsError when the method has no radius."""
+        return self._settings
+
+    @settings.setter
+    def settings(self, settings: Settings) -> None:
+        self._settings = _with_radius(settings)
+        for (size, depth_kind, normals, output), frame in list(self._frames.items()):
+            plan = plan_apply(settings, size, depth=depth_kind, normals=normals, outputs=(output,))
+            if plan == frame.plan:
+                frame.plan = plan  # other numbers, the same targets
+            else:
+                self._drop_frames()
+
+    def resize(self, width: int, height: int) -> None:
+        """Your textures have another size from now on: frees everything made for the old one. Raises SettingsError."""
+        self.size = _checked_size(width, height)
+        self._drop_frames()
+
+    def apply(
+        self,
+        *,
+        depth: Image,
+        camera: Camera,
+        color: Image | None = None,
+        normal: Image | None = None,
+        depth_kind: str = WINDOW_DEPTH,
+        target: moderngl.Framebuffer | SupportsIndex | None = None,
+        timed: bool = False,
+    ) -> moderngl.Texture:
+        """Draw the occlusion. Textures are moderngl's objects or GL names.
+
+        depth: ``"window"`` (0..1 as a depth buffer holds it, whatever the projection: reversed and infinite too) or ``"eye"``
+        (distance along the view axis; 0, inf and nan are background). camera: its projection; the pose is not used.
+        color: sRGB values (rgba8, not srgb8_alpha8) to be dimmed; without it the result is visibility itself. normal:
+        view-space normals, xyz in -1..1; without them they are rebuilt from depth. target: a framebuffer of yours to draw
+        the result into as well, at its lower left corner (0: the window).
+
+        Returns the result's texture, owned by the effect and valid until the next call: visibility (r8) or picture (rgba8).
+        Raises FormatError for textures of another size or kind, and for a target that shows ``color`` itself.
+        """
+        output = "visibility" if color is None else "image"
+        key = (self.size, depth_kind, normal is not None, output)
+        given = {"depth": depth, "color": color, "normal_xyz": normal}
+        with ExitStack() as stack:
+            stack.enter_context(self._ctx.refusals())
+            stack.enter_context(self._guest)
+            inputs = {name: self._texture(name, image) for name, image in given.items() if image is not None}
+            targets = {}
+            if target is not None:
+                read = () if color is None else (inputs["color"].glo,)
+                targets[output] = stack.enter_context(GuestFramebuffer(self._ctx, self._framebuffer(target), self.size, read))
+            frame = self._frame(key)
+            result = frame.run(camera.view(self.size), inputs, targets=targets, timed=timed, checked=self._debug)
+            if timed:
+                self.times = frame.times
+        return result[output]
+
+    def describe(self, depth_kind: str = WINDOW_DEPTH, *, normal: bool = False, color: bool = True) -> str:
+        """The plan as text: passes, formats, slots, MiB, what was left out and why."""
+        output = "image" if color else "visibility"
+        return plan_apply(self.settings, self.size, depth=depth_kind, normals=normal, outputs=(output,)).describe()
+
+    def _frame(self, key: tuple[Size, str, bool, str]) -> FrameExecutor:
+        if self._kit is None:
+            raise ContextError("Effect: was released")
+        frame = self._frames.get(key)
+        if frame is None:
+            size, depth_kind, normals, output = key
+            plan = plan_apply(self.settings, size, depth=depth_kind, normals=normals, outputs=(output,))
+            frame = self._frames[key] = FrameExecutor(self._kit, plan)
+        return frame
+
+    def _texture(self, name: str, image: Image) -> moderngl.Texture:
+        if isinstance(image, moderngl.Texture):
+            size: Size | None = image.size
+            if image.samples:
+                raise FormatError(f"Effect: the {name} texture is multisampled; resolve it first")
+        else:
+            number = _name(image, f"{name}: expected a moderngl.Texture or a GL name", "; for arrays there is ssao_gl.apply")
+            size = texture_size(self._ctx, number)
+            image = self._by_name(number)
+        if size is not None and size != self.size:
+            w, h = self.size
+            raise FormatError(f"Effect: the {name} texture is {size[0]}x{size[1]}, the effect {w}x{h}; call resize")
+        return image
+
+    def _by_name(self, name: int) -> moderngl.Texture:
+        if name not in self._named:
+            # Size, components and type do not matter: moderngl only ever binds it. So a name that the caller frees and
+            # uses again stays right.
+            self._named[name] = self._ctx.mgl.external_texture(name, (1, 1), 4, 0, "f1")
+        return self._named[name]
+
+    def _framebuffer(self, target: moderngl.Framebuffer | SupportsIndex) -> int:
+        if not isinstance(target, moderngl.Framebuffer):
+            return _name(target, "target: expected a moderngl.Framebuffer or a GL name")
+        if target.size[0] < self.size[0] or target.size[1] < self.size[1]:
+            (w, h), (width, height) = target.size, self.size
+            raise FormatError(f"Effect: the target is {w}x{h}, smaller than the effect's {width}x{height}")
+        return target.glo
+
+    def _drop_frames(self) -> None:
+        with self._guest:
+            for frame in self._frames.values():
+                frame.release()
+            self._frames = {}
+
+    def release(self) -> None:
+        """Free every GL object that the effect made. Calling it twice does no harm."""
+        if self._kit is not None and not self._ctx.released:
+            self._drop_frames()
+            with self._guest:
+                self._kit.release()
+        self._kit = None
+
+    def __enter__(self) -> Effect:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.release()
+
+
+def _with_radius(settings: Settings) -> Settings:
+    if settings.method.radius is None:
+        raise SettingsError(f"Effect: give {settings.method.name} a radius, in the units of your depth")
+    return settings
+
+
+def _checked_size(width: int, height: int) -> Size:
+    if width < 1 or height < 1:
+        raise SettingsError(f"Effect: size {width}x{height}; both must be at least 1 pixel")
+    return int(width), int(height)
+
+
+def _name(value: Any, expected: str, advice: str = "") -> int:
+    """A GL name from whatever whole number a GL binding gave it as."""
+    try:
+        return operator.index(getattr(value, "value", value))  # ctypes' numbers keep theirs in .value
+    except TypeError:
+        raise FormatError(f"Effect: {expected}, got {type(value).__name__}{advice}") from None

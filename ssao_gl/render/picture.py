@@ -1,0 +1,124 @@
+"""What a render gives back: arrays, and how they came about."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import FormatError
+from ..io import images
+from ..io.atomic import atomic_write, is_folder, locked_folder, make_folder
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """The arrays that were asked for, row 0 on top, and a report of how they were made.
+
+    image: (h, w, 3) uint8 sRGB, or (h, w, 4) when the caller's colour had alpha. visibility: (h, w) float32, 1 = open,
+    background exactly 1. depth: (h, w) float32, distance along the view axis in scene units, 0 = background. normal:
+    (h, w, 3) float32, unit, view space, (0, 0, 0) on background. bent: (h, w, 3) float32, the same of the mean of the open
+    directions by their cosines. color: (h, w, 3) uint8 sRGB base colour.
+    """
+
+    arrays: Mapping[str, NDArray[Any]]
+    report: Mapping[str, Any] = field(default_factory=dict)
+
+    def __getattr__(self, name: str) -> NDArray[Any]:
+        from ..pipeline.outputs import AOVS
+
+        arrays = self.__dict__.get("arrays", {})
+        if name in arrays:
+            return np.asarray(arrays[name])
+        if name in AOVS:
+            raise AttributeError(f"this picture has no '{name}'; ask for it: aovs=({', '.join(map(repr, [*arrays, name]))})")
+        raise AttributeError(name)
+
+    @property
+    def texts(self) -> dict[str, str]:
+        """What PNG files carry: how the picture was made. Times are left out, so equal pictures are equal files."""
+        return metadata_text(self.report)
+
+    def save(self, path: Path | str, *, aov: str | None = None, bits: int = 8) -> list[Path]:
+        """Write one AOV to a file by suffix (PNG, NPY, EXR), or all of them into a folder, each as NPY and as PNG.
+
+        Without ``aov`` a PNG gets the image, an array file the visibility. ``bits``: 8 or 16, of grey PNG files.
+        Returns the paths written. Raises FormatError.
+        """
+        path = Path(path)
+        if path.suffix.lower() in images.SUFFIXES and not is_folder(path):
+            default = "image" if path.suffix.lower() == ".png" else "visibility"
+            name = aov or (default if default in self.arrays else next(iter(self.arrays)))
+            if name not in self.arrays:
+                raise FormatError(f"this picture has no '{name}'; it has {', '.join(self.arrays)}")
+            images.save_image(
+                path, self.as_png(name, bits) if path.suffix.lower() == ".png" else self.arrays[name], texts=self.texts
+            )
+            return [path]
+        if path.suffix and not is_folder(path):
+            raise FormatError(f"cannot write {path}: suffix '{path.suffix}'; use {', '.join(images.SUFFIXES)}, or a folder")
+        make_folder(path)
+        done = []
+        with locked_folder(path):
+            for name, array in self.arrays.items():
+                images.save_image(path / f"{name}.npy", array)
+                images.save_image(path / f"{name}.png", self.as_png(name, bits), texts=self.texts)
+                done += [path / f"{name}.npy", path / f"{name}.png"]
+        return done
+
+    def as_png(self, name: str, bits: int = 8) -> NDArray[Any]:
+        """An AOV as PNG shows it: visibility as grey, depth from near (bright) to far (dark) with background black, normals
+        and bent normals as 0.5 + 0.5 n."""
+        array = self.arrays[name]
+        return to_png_array(name, array, bits, depth_span(array) if name == "depth" else None)
+
+    def _repr_png_(self) -> bytes:
+        name = "image" if "image" in self.arrays else next(iter(self.arrays))
+        return images.png_bytes(self.as_png(name))
+
+
+def depth_span(depth: NDArray[Any]) -> tuple[float, float] | None:
+    """Nearest and farthest of linear depths that are not background; None when all are."""
+    seen = depth[depth > 0]
+    return (float(seen.min()), float(seen.max())) if seen.size else None
+
+
+def to_png_array(name: str, array: NDArray[Any], bits: int = 8, span: tuple[float, float] | None = None) -> NDArray[Any]:
+    """The values of an AOV, or of some of its rows, as :meth:`Picture.as_png` says. ``span``: :func:`depth_span` of all rows."""
+    if name == "visibility":
+        return images.to_bytes(array, bits)
+    if name == "depth":
+        near, far = span or (0.0, 0.0)
+        shade = 1 - 0.95 * (array - near) / max(far - near, 1e-30)
+        return images.to_bytes(np.where(array > 0, shade, 0), bits)
+    if name in ("normal", "bent"):
+        return images.to_bytes(np.where(np.any(array, axis=-1, keepdims=True), 0.5 + 0.5 * array, 0))
+    return array
+
+
+def save_animation(path: Path, frames: Sequence[Picture], *, seconds: float = 4.0) -> None:
+    """Write frames as an animated GIF, WebP or PNG by suffix (``.gif``, ``.webp``, ``.apng``). Raises FormatError."""
+    from PIL import Image
+
+    kinds = {".gif": "GIF", ".webp": "WEBP", ".apng": "PNG"}
+    pictures = [Image.fromarray(frame.as_png(next(iter(frame.arrays)))) for frame in frames]
+    step = max(20, round(1000 * seconds / len(frames)))
+    with atomic_write(path) as temporary:
+        pictures[0].save(
+            temporary, format=kinds[path.suffix.lower()], save_all=True, append_images=pictures[1:], duration=step, loop=0
+        )
+
+
+def metadata_text(report: Mapping[str, Any]) -> dict[str, str]:
+    """The part of a report that goes into PNG files, by the keys of its text chunks."""
+    keys = ("settings", "camera", "size", "scene", "provider", "renderer", "version")
+    return {"Software": "ssao_gl", **{f"ssao_gl:{key}": _plain(report[key]) for key in keys if key in report}}
+
+
+def _plain(value: Any) -> str:
+    return value if isinstance(value, str) else json.dumps(value, sort_keys=True)

@@ -1,0 +1,1 @@
+"""What is drawn: meshes, cameras, projections, and a scene of our own."""

@@ -1,0 +1,162 @@
+"""A scene as plain arrays: triangles, their transforms and colours, and the cameras that came with them."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import SceneError
+from .camera import Camera, look_at
+from .projection import Size
+
+RADIUS_SHARE = 0.03
+"""Automatic AO radius as a share of the diagonal of a scene's bounding box."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles that are drawn once for each of their transforms.
+
+    positions: (n, 3) float32, in scene units relative to ``transforms``. triangles: (m, 3) uint32. normals: (n, 3)
+    float32 of any length, or None for flat shading. color: sRGB (r, g, b) in 0..1, multiplied with vertex_colors:
+    (n, 4) uint8 sRGB, or None. transforms: (k, 4, 4) float64 model-to-world.
+    """
+
+    positions: NDArray[np.float32]
+    triangles: NDArray[np.uint32]
+    normals: NDArray[np.float32] | None = None
+    color: tuple[float, float, float] = (0.8, 0.8, 0.8)
+    vertex_colors: NDArray[np.uint8] | None = None
+    transforms: NDArray[np.float64] = field(default_factory=lambda: np.eye(4)[None])
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        where = f"mesh '{self.name}'" if self.name else "mesh"
+        p, t = self.positions, self.triangles
+        if p.ndim != 2 or p.shape[1] != 3 or t.ndim != 2 or t.shape[1] != 3:
+            raise SceneError(f"{where}: positions must be (n, 3) and triangles (m, 3), got {p.shape} and {t.shape}")
+        if len(t) and int(t.max()) >= len(p):
+            raise SceneError(f"{where}: a triangle names vertex {int(t.max())}, but there are only {len(p)}")
+        if not np.isfinite(p).all():
+            raise SceneError(
+                f"{where}: {int((~np.isfinite(p)).any(1).sum())} vertices are not finite numbers (NaN or infinity)"
+            )
+        for what, array, width in (("normals", self.normals, 3), ("vertex_colors", self.vertex_colors, 4)):
+            if array is not None and array.shape != (len(p), width):
+                raise SceneError(f"{where}: {what} must be ({len(p)}, {width}), got {array.shape}")
+        k = self.transforms
+        if k.ndim != 3 or k.shape[1:] != (4, 4) or not np.isfinite(k).all():
+            raise SceneError(f"{where}: transforms must be finite and (k, 4, 4), got {k.shape}")
+
+    @cached_property
+    def bounds(self) -> NDArray[np.float64]:
+        """(2, 3) smallest and largest world coordinate over all instances (of the corners of the mesh's own box)."""
+        low, high = self.positions.min(0).astype(np.float64), self.positions.max(0).astype(np.float64)
+        box = np.array([[x, y, z, 1.0] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+        corners = np.einsum("kij,cj->kci", self.transforms[:, :3], box).reshape(-1, 3)
+        return np.stack([corners.min(0), corners.max(0)])
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Meshes and cameras in one world. ``up`` is the direction that automatic cameras take for upwards."""
+
+    meshes: Sequence[Mesh]
+    cameras: Sequence[Camera] = ()
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not any(len(draw.triangles) and len(draw.transforms) for draw in self.meshes):
+            raise SceneError(f"{self.name or 'the scene'} has no triangles to draw")
+
+    @classmethod
+    def from_arrays(
+        cls,
+        positions: ArrayLike,
+        triangles: ArrayLike,
+        *,
+        normals: ArrayLike | None = None,
+        color: tuple[float, float, float] = (0.8, 0.8, 0.8),
+        up: tuple[float, float, float] = (0.0, 1.0, 0.0),
+    ) -> Scene:
+        """One mesh from arrays: positions (n, 3), triangles (m, 3), normals (n, 3) or None for flat shading."""
+        draw = Mesh(
+            np.asarray(positions, np.float32),
+            _indices(triangles),
+            None if normals is None else np.asarray(normals, np.float32),
+            color,
+        )
+        return cls([draw], up=up)
+
+    @classmethod
+    def load(cls, path: Any, *, crease: float = math.radians(40), up: str = "auto") -> Scene:
+        """Read a scene file by :func:`ssao_gl.load_scene`. Deprecated."""
+        warnings.warn("Scene.load will go in 0.3; use ssao_gl.load_scene", DeprecationWarning, stacklevel=2)
+        # By name: scenes know nothing of the loaders, which make them.
+        loading = importlib.import_module("ssao_gl.loaders.load")
+        return cast(Scene, loading.load_scene(path, crease=crease, up=up))
+
+    @property
+    def draws(self) -> Sequence[Mesh]:
+        """Return ``meshes``, by their name of 0.1. Deprecated."""
+        warnings.warn("Scene.draws is called Scene.meshes now; the old name goes in 0.3", DeprecationWarning, stacklevel=2)
+        return self.meshes
+
+    @cached_property
+    def bounds(self) -> NDArray[np.float64]:
+        """(2, 3) smallest and largest world coordinate."""
+        boxes = np.array([draw.bounds for draw in self.meshes if len(draw.triangles) and len(draw.transforms)])
+        return np.stack([boxes[:, 0].min(0), boxes[:, 1].max(0)])
+
+    @property
+    def extent(self) -> float:
+        """Length of the diagonal of the bounding box, scene units."""
+        return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
+
+    @property
+    def triangles(self) -> int:
+        """How many triangles are drawn, instances counted each."""
+        return sum(len(draw.triangles) * len(draw.transforms) for draw in self.meshes)
+
+    def default_radius(self) -> float:
+        """An AO radius that suits objects seen whole."""
+        return RADIUS_SHARE * self.extent or 1.0
+
+    def default_camera(
+        self, size: Size = (4, 3), *, azimuth: float = 0.6, elevation: float = 0.45, yfov: float = 0.7
+    ) -> Camera:
+        """A perspective camera that shows the whole scene from the front, the side and above. Angles in radians."""
+        up = np.asarray(self.up, np.float64) / np.linalg.norm(self.up)
+        side = np.cross(up, [0, 0, 1] if abs(up[2]) < 0.9 else [0, -1, 0])
+        side /= np.linalg.norm(side)
+        front = np.cross(side, up)
+        level = math.cos(azimuth) * front + math.sin(azimuth) * side
+        direction = math.cos(elevation) * level + math.sin(elevation) * up
+        center = self.bounds.mean(0)
+        half = max(self.extent / 2, 1e-30)
+        pose = look_at(direction, (0, 0, 0), up)  # about the origin: far from it, a unit is less than a float can tell
+        # The distance at which every corner of the box is inside the frustum.
+        low, high = self.bounds
+        corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+        local = (corners - center) @ pose[:3, :3]
+        tan_y = math.tan(yfov / 2)
+        tan = np.array([tan_y * size[0] / size[1], tan_y])
+        distance = float((np.abs(local[:, :2]) / tan + local[:, 2:]).max()) * 1.05 + 1e-3 * half
+        pose[:3, 3] = center + direction * distance
+        return Camera.perspective(yfov, max(distance - half, 1e-3 * half) * 0.5, (distance + half) * 1.5, pose)
+
+
+def _indices(triangles: ArrayLike) -> NDArray[np.uint32]:
+    array = np.asarray(triangles)
+    if array.size and (array.min() < 0 or array.max() >= 2**32):
+        raise SceneError(f"triangles name vertices from {array.min()} to {array.max()}; they must not be negative")
+    return array.astype(np.uint32)

@@ -1,0 +1,31 @@
+"""Where in an image a scene can be seen at all. No OpenGL."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from .camera import Camera
+from .projection import Matrix, ViewConstants
+
+
+def screen_bounds(bounds: Matrix, camera: Camera, view: ViewConstants) -> tuple[int, int, int, int] | None:
+    """The pixels (x, y, width, height from the lower left) that hold the image of a box; None when part of it is behind the viewer.
+
+    bounds: (2, 3) least and largest world coordinates. A pixel more on each side, for what rounding does to edges.
+    """
+    corners = np.array([[*corner, 1.0] for corner in itertools.product(*bounds.T)])
+    center = bounds.mean(0)
+    to_view = np.linalg.inv(camera.pose)
+    clip = (corners - [*center, 0.0]) @ to_view.T + [*(to_view[:3, :3] @ center), 0.0]  # far from the origin, too
+    clip = clip @ view.projection.T
+    w = clip[:, 3]
+    if not (np.isfinite(clip).all() and w.min() > 1e-6 * np.abs(w).max() > 0):
+        return None
+    size = np.asarray(view.size)
+    at = (0.5 + 0.5 * clip[:, :2] / w[:, None]) * size
+    low = np.clip(np.floor(at.min(0)) - 1, 0, size)
+    high = np.clip(np.ceil(at.max(0)) + 1, 0, size)
+    x, y, width, height = (int(v) for v in (*low, *np.maximum(high - low, 0)))
+    return x, y, width, height

@@ -1,0 +1,84 @@
+"""What is tested: methods under their presets."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..methods.base import Deviation, Method
+from ..methods.registry import check_presets, method, presets_of, registry
+from ..passes.denoise import filter_named
+from ..pipeline.settings import Settings
+from ..settings import assign, limits
+from .shot import Shot
+
+DEFAULT = "default"
+EXHAUSTIVE = {"slices": (16, 2), "max_steps": (512, 64)}
+"""Settings that make a method exhaustive when they are above a number, and what they are cut to: what may go wrong goes wrong
+in every slice and step."""
+
+
+@dataclass(frozen=True, slots=True)
+class Specimen:
+    """A method with settings, under a name."""
+
+    name: str
+    preset: str
+    method: Method
+    precision: str = "high"
+    """As in :class:`ssao_gl.Settings`."""
+
+    @property
+    def label(self) -> str:
+        return self.name if self.preset == DEFAULT else f"{self.name}:{self.preset}"
+
+    @property
+    def exceptions(self) -> Mapping[str, Deviation]:
+        """What the method declares to break, by the name of the contract."""
+        return self.method.exceptions
+
+    def refuses(self, contract: str) -> bool:
+        """Whether it declares to refuse a kind of camera, by an infinite bound."""
+        return contract in self.exceptions and math.isinf(self.exceptions[contract].bound)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each of the method's settings."""
+        return {field.name: limits(field).unit for field in dataclasses.fields(self.method)}  # type: ignore[arg-type]
+
+    @property
+    def radius_is_a_length(self) -> bool:
+        """Whether the radius is in scene units, as it is for methods that know of them."""
+        return self.units.get("radius") == "scene units"
+
+    def settings(self, shot: Shot) -> Settings:
+        """Settings for a shot: its filter, and as much of its radius and changes as the method has."""
+        changes = {name: value for name, value in shot.changes.items() if name in self.units}
+        if self.radius_is_a_length:
+            changes["radius"] = shot.radius
+        record: Any = dataclasses.replace(self.method, **changes)  # type: ignore[type-var]
+        return Settings(
+            method=record, blur=filter_named(shot.blur), normals=shot.normals_of, precision=self.precision, keep=shot.keep
+        )
+
+
+def specimens(methods: Sequence[str] = (), presets: Sequence[str] = (DEFAULT,), precision: str = "high") -> list[Specimen]:
+    """Methods (all, or those named) times presets: ``default``, names, or ``all``. Raises SettingsError for unknown names."""
+    Settings(precision=precision)
+    shipped = {name: method(name) for name in methods or registry()}
+    found = [
+        Specimen(name, preset, _affordable(assign(record, values)), precision)
+        for name, record in shipped.items()
+        for preset, values in {DEFAULT: {}, **presets_of(name)}.items()
+        if "all" in presets or preset in presets
+    ]
+    check_presets(presets, ["all", DEFAULT, *(preset for name in shipped for preset in presets_of(name))])
+    return found
+
+
+def _affordable(record: Any) -> Any:
+    cut = {name: less for name, (top, less) in EXHAUSTIVE.items() if getattr(record, name, 0) > top}
+    return dataclasses.replace(record, **cut)
