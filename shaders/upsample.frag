@@ -1,12 +1,12 @@
 // Visibility of a smaller image at full size: the four nearest of its texels, by how near they are in the image, how well they
 // lie in the tangent plane of the pixel, and how alike the normals are (after Kopf et al., "Joint Bilateral Upsampling",
-// 2007). As in blur_joint.frag, n . P is affine in the place times depth: (line.x + line.y i + line.z j) z for texel i, j.
+// 2007). As in denoise_joint.frag, n . P is affine in the place times depth: (line.x + line.y i + line.z j) z for texel i, j.
 #needs es300
 #include "lib/precision.glsl"
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
 #include "lib/output.glsl"
-#include "lib/sum.glsl"
+#include "lib/accumulate.glsl"
 
 uniform sampler2D u_packed;   // small: visibility and linear depth
 uniform sampler2D u_z;

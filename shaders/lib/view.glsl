@@ -1,4 +1,4 @@
-// Points from pixels and linear depth, for any projection (see camera.View). uv (0,0) is the lower left.
+// Points from pixels and linear depth, for any projection (see scene.projection.ViewConstants). uv (0,0) is the lower left.
 uniform vec2 u_size;         // pixels
 uniform vec2 u_texel;        // 1 / u_size
 uniform mat2 u_ray;          // view xy = (u_ray uv + u_ray0) z + (u_org uv + u_org0)

@@ -3,11 +3,11 @@
 #needs es300
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
-#include "lib/pixel.glsl"
+#include "lib/center_pixel.glsl"
 #include "lib/output.glsl"
-#include "lib/sum.glsl"
+#include "lib/accumulate.glsl"
 #include "lib/slice.glsl"
-#include "lib/bits.glsl"
+#include "lib/bitmask.glsl"
 #ifdef FALLOFF
 #include "lib/falloff.glsl"
 #endif

@@ -4,7 +4,7 @@
 #include "lib/normal.glsl"
 #include "lib/output.glsl"
 #include "lib/slice.glsl"
-#include "lib/bits.glsl"
+#include "lib/bitmask.glsl"
 
 uniform sampler2D u_z;
 uniform sampler2D u_normal;

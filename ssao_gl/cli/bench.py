@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +11,7 @@ import numpy as np
 from cyclopts import Parameter
 
 from ..gl.overhead import without_draws
+from ..gl.timer import PassTime
 from ..graph.frame_graph import compile
 from ..methods.lecture import Lecture
 from ..pipeline.build import plan_render
@@ -70,10 +71,10 @@ def _passes(
 ) -> dict[str, tuple[float, float]]:
     """Median (wall, CPU) milliseconds by pass: variants take turns, so a busy neighbour slows all alike."""
     lecture = Settings(method=Lecture(), blur=None)
-    variants: list[tuple[Settings, tuple[str, ...], dict[str, str]]] = [
+    variants: list[tuple[Settings, tuple[str, ...], dict[str, str]]] = [  # and the roles that are shown, under other labels
         (settings, ("depth",), {"gbuffer": "depth alone"}),
         (settings, ("depth", "normal", "color"), {"gbuffer": "G-buffer"}),
-        (lecture, ("visibility",), {"lecture": "lecture (4 taps)"}),
+        (lecture, ("visibility",), {"occlusion": "lecture (4 taps)"}),
         (settings, ("image",), {}),
     ]
     found: dict[str, list[tuple[float, float]]] = {}
@@ -82,20 +83,23 @@ def _passes(
             times = renderer.time(scene, camera, size, one, aovs=aovs)
             if number < 2:  # compiling, warming up
                 continue
-            shown = {p.name: (p.ms, p.cpu_ms) for p in times if not names or p.name in names}
-            for name, ms in shown.items():
-                label = names.get(name, name if name != "gbuffer" else "")
-                if label:
-                    found.setdefault(label, []).append(ms)
-            if not names:
-                blur = [ms for name, ms in shown.items() if name.startswith("blur")]
-                if blur:
-                    found.setdefault("blur in all", []).append((sum(b[0] for b in blur), sum(b[1] for b in blur)))
-                whole = (sum(p.ms for p in times), sum(p.cpu_ms for p in times))
-                found.setdefault("whole frame", []).append(whole)
+            for label, some in (_alone(times, names) if names else _every(times)).items():
+                found.setdefault(label, []).append((sum(p.ms for p in some), sum(p.cpu_ms for p in some)))
     return {
         name: (float(np.median([r[0] for r in runs])), float(np.median([r[1] for r in runs]))) for name, runs in found.items()
     }
+
+
+def _alone(times: Sequence[PassTime], names: Mapping[str, str]) -> dict[str, list[PassTime]]:
+    """Return the passes of some roles, under a label for each."""
+    return {label: [p for p in times if p.role == role] for role, label in names.items()}
+
+
+def _every(times: Sequence[PassTime]) -> dict[str, list[PassTime]]:
+    """Return each pass but the G-buffer by its name, the filter's together, and all."""
+    found = {p.name: [p] for p in times if p.role != "gbuffer"}
+    blur = [p for p in times if p.role == "denoise"]
+    return {**found, **({"blur in all": blur} if blur else {}), "whole frame": list(times)}
 
 
 def _host(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings) -> dict[str, float]:

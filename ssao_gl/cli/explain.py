@@ -111,7 +111,7 @@ def methods(name: str | None = None) -> int:
         say(f"{key}: {(kind.__doc__ or '').strip().splitlines()[0]}")
         rows = [
             (f.name, "auto" if f.default is None else str(f.default), limits(f).unit, limits(f).describe(), limits(f).doc)
-            for f in dataclasses.fields(kind)
+            for f in dataclasses.fields(kind)  # type: ignore[arg-type]
         ]
         print_table("", ("setting", "default", "unit", "range", "what it is"), rows)
         for contract, deviation in getattr(kind, "exceptions", {}).items():

@@ -35,7 +35,7 @@ class Explained:
 
     def table(self) -> dict[str, Any]:
         """As plain values."""
-        plan = self.plan
+        plan, region = self.plan, self.made.region
         kept = [{**row, "kept": True} for row in resource_table(plan)]
         gone = [{"name": n, "kept": False, "reason": why, "bytes": plan.saved.get(n)} for n, why in plan.culled.items()]
         return {
@@ -54,7 +54,7 @@ class Explained:
             "resources": kept + gone,
             "rules": [{**dataclasses.asdict(rule), "in_force": not rule.why} for rule in self.rules],
             "memory": dataclasses.asdict(self.memory),
-            "drawn": {"size": list(plan.frame), **({} if self.cut else dict(self.made.drawn))},
+            "drawn": {"size": list(plan.frame), **({} if self.cut else {"inside": region.image_rect, "covered": region.scene_rect})},
             "measured": {"where": self.where, "rules": [dataclasses.asdict(one) for one in self.savings]} if self.where else None,
             "tiles": self.cut.table() if self.cut else None,
         }  # fmt: skip
@@ -86,7 +86,7 @@ class Explained:
 def _drawn(made: FrameSetup) -> list[str]:
     """What is drawn around the image, and what beside the scene is not."""
     lines = []
-    (w, h), inside, covered = made.outer, made.drawn["inside"], made.drawn["covered"]
+    (w, h), inside, covered = made.outer, made.region.image_rect, made.region.scene_rect
     if inside:
         lines.append(f"guard: {inside[0]} pixels are drawn around the image, so that taps see what lies beside it")
     if covered:

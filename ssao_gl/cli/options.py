@@ -193,7 +193,7 @@ def settings_help() -> str:
     for kind in groups:
         prefix = f"blur.{title(kind)}" if kind in FILTERS.values() else title(kind)
         lines.append(f"  {prefix if kind is not Settings else '(no group)'}")
-        for field in (f for f in dataclasses.fields(kind) if "limits" in f.metadata):
+        for field in (f for f in dataclasses.fields(kind) if "limits" in f.metadata):  # type: ignore[arg-type]
             rule = limits(field)
             facts = ", ".join(
                 part for part in (f"{'auto' if field.default is None else field.default}", rule.unit, rule.describe()) if part

@@ -15,13 +15,13 @@ from ..methods.registry import registry
 EXAMPLES: Mapping[str, Mapping[str, preprocess.Define]] = {
     "gbuffer.frag": {"TARGETS": 3, "DEPTH_TARGET": 0, "NORMAL_TARGET": 1, "COLOR": 2, "NORMAL": 1, "SMOOTH": 1},
     "gbuffer.vert": {"NORMAL": 1, "SMOOTH": 1},
-    "pack.frag": {"PACKED": 1},
-    "blur_joint.frag": {"PACKED": 1, "RADIUS": 2, "LAST": 1, "PINHOLE": 1},
+    "pack_visibility.frag": {"PACKED": 1},
+    "denoise_joint.frag": {"PACKED": 1, "RADIUS": 2, "LAST": 1, "PINHOLE": 1},
     "upsample.frag": {"PACKED": 1, "PINHOLE": 1},
-    "shrink.frag": {"TARGETS": 2, "SCALE": 2, "PIXELS": 4},
-    "bounds.frag": {"TARGETS": 2, "BLOCK": 16, "BELOW": 17},
-    "open.frag": {"BLOCK": 16},
-    "blur_intensity.frag": {"PACKED": 1, "RADIUS": 4, "WIDTH": 4, "HEIGHT": 4, "LAST": 1},
+    "downsample.frag": {"TARGETS": 2, "SCALE": 2, "PIXELS": 4},
+    "block_bounds.frag": {"TARGETS": 2, "BLOCK": 16, "BELOW": 17},
+    "open_blocks.frag": {"BLOCK": 16},
+    "denoise_intensity.frag": {"PACKED": 1, "RADIUS": 4, "WIDTH": 4, "HEIGHT": 4, "LAST": 1},
 }
 """Defines that a shader cannot do without, as the default settings give them."""
 
@@ -40,13 +40,13 @@ def shader(
     Parameters
     ----------
     name
-        A method (alchemy) or a shader file (blur_joint.frag). Without it: the list of both.
+        A method (alchemy) or a shader file (denoise_joint.frag). Without it: the list of both.
     """
     if name is None:
         sys.stdout.write("\n".join([*registry(), *preprocess.names()]) + "\n")
         return 0
     methods = registry()
-    file = methods[name].shader if name in methods else name  # type: ignore[attr-defined]
+    file = methods[name].shader if name in methods else name
     defines = dict(defaults(file))
     for text in define:
         key, _, value = text.partition("=")
@@ -60,6 +60,6 @@ def shader(
 def defaults(file: str) -> Mapping[str, preprocess.Define]:
     """The defines that the default settings give a shader file."""
     for kind in registry().values():
-        if kind.shader == file:  # type: ignore[attr-defined]
+        if kind.shader == file:
             return {**kind().defines(), "PINHOLE": 1}
     return EXAMPLES.get(file, {})

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..gl.timer import PassTime
+from ..graph.names import BLOCK_OPEN
 from ..io.images import flipped
-from ..passes.culling import BLOCK, OPEN
+from ..passes.culling import BLOCK
 from ..pipeline.explain import rule_statuses
 from ..pipeline.frame_setup import frame_setup
-from ..pipeline.settings import CULLING_RULES, Settings, small_scale
+from ..pipeline.settings import CULLING_RULES, Settings, drawn_scale
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.model import Scene
@@ -88,7 +89,7 @@ def benchmark_rules(
     left[ALL_RULES] = np.logical_and.reduce(list(left.values()))
     exact = {rule.name: rule.exact for rule in force} | {ALL_RULES: all(rule.exact for rule in force)}
     return [
-        _saving(name, times[""], times[name], left[name], small_scale(on), differences[name], 0.0 if exact[name] else None)
+        _saving(name, times[""], times[name], left[name], drawn_scale(on), differences[name], 0.0 if exact[name] else None)
         for name in left
     ]
 
@@ -96,10 +97,10 @@ def benchmark_rules(
 def shaded(renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings) -> tuple[Mask, Mask]:
     """(what is not background, what lies in no open block), each (h, w), row 0 on top."""
     covered = renderer.render(scene, camera, size, settings, aovs=("depth",)).depth > 0
-    blocks = renderer.resource(scene, camera, size, settings, OPEN)
+    blocks = renderer.resource(scene, camera, size, settings, BLOCK_OPEN)
     if blocks is None:
         return covered, np.ones_like(covered)
-    inside = frame_setup(scene, camera, size, settings, renderer.ctx.max_size).drawn["inside"]
+    inside = frame_setup(scene, camera, size, settings, renderer.ctx.max_size).region.image_rect
     (x, y), (w, h) = inside[:2] if inside else (0, 0), size
     closed = np.kron(blocks[..., 0] == 0, np.ones((BLOCK, BLOCK), np.bool_))
     return covered, flipped(closed[y : y + h, x : x + w])
@@ -123,7 +124,7 @@ def _apart(one: NDArray[Any], other: NDArray[Any]) -> float:
 def _times(
     renderer: Renderer, scene: Scene, camera: Camera, size: Size, variants: Mapping[str, Settings], rounds: int
 ) -> dict[str, Times]:
-    def draw(one: Settings) -> list[PassTime]:
+    def draw(one: Settings) -> Sequence[PassTime]:
         return renderer.time(scene, camera, size, one, aovs=("visibility",))
 
     runs = interleaved({name: lambda one=one: draw(one) for name, one in variants.items()}, rounds)  # type: ignore[misc]
@@ -131,7 +132,7 @@ def _times(
 
 
 def _after_gbuffer(times: Sequence[PassTime]) -> tuple[float, float]:
-    after = [one for one in times if one.name != "gbuffer"]
+    after = [one for one in times if one.role != "gbuffer"]
     return sum(one.ms for one in after), sum(one.cpu_ms for one in after)
 
 

@@ -57,8 +57,8 @@ def timed(setup: ViewSetup, settings: Mapping[str, Settings], rounds: int, tick:
             continue
         draws[name] = lambda one=one: setup.time(one)  # type: ignore[misc]
     runs = interleaved(draws, rounds, tick=tick) if set(draws) - {YARD} else {}
-    times = {name: summary(run, settings[name].method.name) for name, run in runs.items() if name != YARD}
-    yard = summary(runs[YARD], BASELINE.method)["method"] if YARD in runs else None
+    times = {name: summary(run) for name, run in runs.items() if name != YARD}
+    yard = summary(runs[YARD])["method"] if YARD in runs else None
     return Timed(times, yard, refused)
 
 
@@ -82,8 +82,8 @@ def rays(setup: ViewSetup, spp: int, rounds: int) -> tuple[F32, dict[str, Any]]:
         found = gather(setup.surface, tracing)
         cpu_ms = 1e3 * (time.process_time() - cpu)
         filtered, passes = setup.renderer.filter(setup.scene, setup.camera, setup.size, found.visibility, Joint())
-        runs.append([PassTime("rays", 1e3 * found.seconds, "wall", cpu_ms), *passes])
-    return filtered, summary(runs[1:], "rays")
+        runs.append([PassTime("rays", 1e3 * found.seconds, "wall", cpu_ms, "occlusion"), *passes])
+    return filtered, summary(runs[1:])
 
 
 def machine_load() -> float | None:

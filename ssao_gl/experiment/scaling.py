@@ -14,7 +14,7 @@ from ..methods.base import Method
 from ..methods.registry import method
 from ..pipeline.settings import Settings
 from ..scene.projection import Size
-from ..settings import assign, limits
+from ..settings import assign
 from .measure import YARD, timed
 from .points import MEDIAN
 from .statistics import exponent
@@ -29,9 +29,6 @@ PIXELS: tuple[Size, ...] = ((320, 180), (640, 360), (1280, 720), (1920, 1080), (
 SAMPLES = (4, 8, 16, 32)
 RADII = (16, 32, 64, 128, 256)
 """Pixels, at the median depth of the view."""
-
-COUNTS = ("samples", "slices", "steps", "taps")
-"""Names that a number of taps may have among a method's settings; the first that is there is varied."""
 
 AXES = {"pixels": "pixels", "samples": "taps", "radius": "radius in pixels"}
 
@@ -56,7 +53,7 @@ def trials(sweep: Sweep, view: MeasuredView) -> list[Trial]:
     for name in dict.fromkeys(variant.method for variant in sweep.variants if variant.method != TRUTH):
         record = method(name)
         found += [Trial(name, "pixels", size[0] * size[1], size) for size in PIXELS]
-        if count_field(record):
+        if record.traits.taps_setting:
             found += [Trial(name, "samples", count, view.size) for count in SAMPLES]
         found += [Trial(name, "radius", radius, view.size) for radius in RADII]
     return found
@@ -89,15 +86,9 @@ def measure_scaling(setup: ViewSetup, some: Sequence[Trial], rounds: int) -> lis
     ]
 
 
-def count_field(record: Method) -> str | None:
-    """The setting that is the number of taps, or of what stands for it."""
-    names = [field.name for field in dataclasses.fields(record)]  # type: ignore[arg-type]
-    return next((name for name in COUNTS if name in names), None)
-
-
 def _record(setup: ViewSetup, trial: Trial) -> Method:
     record = setup.settled(Settings(method=method(trial.method))).method
-    field = count_field(record)
+    field = record.traits.taps_setting
     if trial.axis == "samples" and field:
         return assign(record, {field: int(trial.value)})
     if trial.axis == "radius":
@@ -106,21 +97,15 @@ def _record(setup: ViewSetup, trial: Trial) -> Method:
 
 
 def _radius(setup: ViewSetup, record: Method, pixels: float) -> float:
-    """The method's radius that covers ``pixels`` at the median depth, in the unit that its radius has.
-
-    Raises SettingsError for a unit that is not known here.
-    """
-    fields: Mapping[str, Any] = {field.name: field for field in dataclasses.fields(record)}  # type: ignore[arg-type]
-    unit = limits(fields["radius"]).unit
+    """The method's radius that covers ``pixels`` at the median depth, in the unit that its radius has."""
+    unit = record.traits.radius_unit
     view, depth = setup.camera.view(setup.size), setup.depth[setup.depth > 0]
     z = float(np.median(depth)) if depth.size else 1.0
     if unit == "scene units":
         return pixels * view.pixel * (view.w1 * z + view.w0)
     if unit == "share of the image":
         return pixels / view.size[0] / max(1 - z / view.far, 1e-6)
-    if unit == "pixels":
-        return pixels
-    raise SettingsError(f"{record.name}: its radius is in {unit or 'no unit'}; cannot be given in pixels")
+    return pixels
 
 
 def exponents(rows: Sequence[Mapping[str, Any]]) -> list[list[Any]]:

@@ -29,16 +29,16 @@ def interleaved(
     return runs
 
 
-def group(name: str, method: str) -> str:
-    """The group of a pass of a plan that has ``method``."""
-    if name == "gbuffer":
-        return "gbuffer"
-    if name.startswith("blur"):
-        return "filter"
-    return "method" if name.startswith(method) else "other"
+GROUP_OF = {"gbuffer": "gbuffer", "occlusion": "method", "denoise": "filter"}
+"""Role of a pass -> its group; of all others: ``other``."""
 
 
-def summary(runs: Sequence[Sequence[PassTime]], method: str) -> dict[str, Any]:
+def group(one: PassTime) -> str:
+    """Return the group of a pass."""
+    return GROUP_OF.get(one.role, "other")
+
+
+def summary(runs: Sequence[Sequence[PassTime]]) -> dict[str, Any]:
     """Quartiles over the rounds, milliseconds, of every pass, every group and ``total``, by wall (or GPU) and CPU clock.
 
     A group's quartiles are those of its sums in each round.
@@ -48,7 +48,7 @@ def summary(runs: Sequence[Sequence[PassTime]], method: str) -> dict[str, Any]:
         for clock in ("wall", "cpu"):
             sums = dict.fromkeys((*GROUPS, "total"), 0.0)
             for one in run:
-                where, ms = group(one.name, method), one.ms if clock == "wall" else one.cpu_ms
+                where, ms = group(one), one.ms if clock == "wall" else one.cpu_ms
                 sums[where] += ms
                 sums["total"] += 0.0 if where == "gbuffer" else ms
             for name, ms in sums.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -71,7 +72,7 @@ class ViewSetup:
         """Visibility (h, w)."""
         return self.renderer.render(self.scene, self.camera, self.size, self.settled(settings), aovs=("visibility",)).visibility
 
-    def time(self, settings: Settings) -> list[PassTime]:
+    def time(self, settings: Settings) -> Sequence[PassTime]:
         """Milliseconds of each pass of one frame."""
         return self.renderer.time(self.scene, self.camera, self.size, self.settled(settings), aovs=("visibility",))
 

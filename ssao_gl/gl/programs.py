@@ -1,4 +1,4 @@
-"""What every pass draws with: compiled programs, samplers, one triangle, small look-up textures. One kit a context."""
+"""What every pass draws with: compiled programs, samplers, one triangle, small repeating textures. Once a context."""
 
 from __future__ import annotations
 
@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from ..errors import ShaderError, near_miss
 from ..glsl import preprocess
+from ..graph.draws import Table
 from ..io.images import flipped
 from .context import Context
 
 FORMATS: Mapping[str, tuple[int, str]] = {
     "r8": (1, "f1"), "rgba8": (4, "f1"), "rg16f": (2, "f2"), "rgba16f": (4, "f2"), "r32f": (1, "f4"), "rgba32f": (4, "f4"),
+    "r32ui": (1, "u4"), "rgba32ui": (4, "u4"),
 }  # fmt: skip
 """Texture formats of the graph: components and moderngl's dtype. All can be drawn into on OpenGL ES 3 and WebGL2."""
 
@@ -56,20 +58,22 @@ class Program:
         self.declared = frozenset(_UNIFORM.findall(vertex.text)) | frozenset(_UNIFORM.findall(fragment.text))
         self._uniforms: dict[str, Any] = {key: self.mgl[key] for key in self.mgl if isinstance(self.mgl[key], moderngl.Uniform)}
         self._last: dict[str, Any] = {}
+        self.user: object = None
+        """Whoever set its uniforms last, and need not set them again."""
 
     def set(self, values: Mapping[str, Any]) -> None:
         """Set uniforms. Names that the driver optimised away are passed over; names no source declares raise ShaderError."""
         for name, value in values.items():
             last = self._last.get(name)
-            if last is value or (last is not None and not isinstance(value, np.ndarray) and last == value):
+            if last is value or (last is not None and last == value):
                 continue
             self._last[name] = value
             uniform = self._uniforms.get(name)
             if uniform is None:
                 if name not in self.declared:
                     raise ShaderError(f"{self.name} declares no uniform '{name}'.{near_miss(name, self.declared)}")
-            elif isinstance(value, np.ndarray):
-                uniform.write(np.ascontiguousarray(value, np.float32).tobytes())
+            elif isinstance(value, Table):
+                uniform.write(value.data)
             else:
                 uniform.value = value
 
@@ -78,7 +82,7 @@ class Program:
 
 
 class GpuResources:
-    """GL objects that outlive a frame. ``release`` frees them all."""
+    """GL objects that outlive a frame; ``release`` frees them all."""
 
     def __init__(self, ctx: Context) -> None:
         self.ctx = ctx
@@ -89,7 +93,7 @@ class GpuResources:
         self._corner = mgl.buffer(np.array([-1, -1, 3, -1, -1, 3], "f4").tobytes())
         self._programs: dict[Any, Program] = {}
         self._triangles: dict[Any, moderngl.VertexArray] = {}
-        self._lookups: dict[Any, moderngl.Texture] = {}
+        self._tables: dict[Table, moderngl.Texture] = {}
         # Samplers of our own: a caller's sampler left on a unit, or a caller's texture with comparison or filtering
         # on, would otherwise change what we read.
         self._clamp = self._sampler(repeat=False)
@@ -119,13 +123,12 @@ class GpuResources:
             vao = self._triangles[key] = self.ctx.mgl.vertex_array(program.mgl, [(self._corner, "2f", "a_corner")])
         return program, vao
 
-    def lookup(self, values: NDArray[np.float32]) -> moderngl.Texture:
-        """A small float texture of ``values`` (h, w, channels), made once, to be read with ``repeat``."""
-        key = values.shape, values.tobytes()
-        texture = self._lookups.get(key)
+    def table(self, values: Table) -> moderngl.Texture:
+        """Return a small float texture of ``values`` (h, w, channels), made once, to be read with ``repeat``."""
+        texture = self._tables.get(values)
         if texture is None:
             h, w, channels = values.shape
-            texture = self._lookups[key] = self.ctx.mgl.texture((w, h), channels, values.astype("f4").tobytes(), dtype="f4")
+            texture = self._tables[values] = self.ctx.mgl.texture((w, h), channels, values.data, dtype="f4")
         return texture
 
     def upload(self, array: NDArray[Any]) -> moderngl.Texture:
@@ -150,14 +153,14 @@ class GpuResources:
             self._clamp.clear(unit)
 
     def release(self) -> None:
-        """Free every GL object of this kit."""
+        """Free every GL object of these."""
         self.ctx.functions("glUseProgram", None, ctypes.c_uint)(0)  # a program in use would outlive its deletion
         for vao in self._triangles.values():
             vao.release()
         for program in self._programs.values():
             program.release()
-        for texture in self._lookups.values():
+        for texture in self._tables.values():
             texture.release()
         for thing in (self._corner, self._clamp, self._repeat, self.home, self._pixel):
             thing.release()
-        self._programs, self._triangles, self._lookups = {}, {}, {}
+        self._programs, self._triangles, self._tables = {}, {}, {}

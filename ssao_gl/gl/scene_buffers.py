@@ -10,6 +10,9 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from ..glsl.preprocess import Define
+from ..graph.draws import DrawScene
+from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, NORMAL, SHADING_NORMAL
 from ..scene.camera import Camera
 from ..scene.model import Mesh, Scene
 from ..scene.projection import Matrix, ViewConstants
@@ -27,17 +30,16 @@ LIGHT = (-0.36, 0.48, 0.8)
 
 
 class SceneBuffers:
-    """A scene's vertex data in GL buffers. Set ``camera`` before each frame."""
+    """A scene's vertex data in GL buffers."""
 
-    def __init__(self, kit: GpuResources, scene: Scene) -> None:
+    def __init__(self, resources: GpuResources, scene: Scene) -> None:
         self.scene = scene
-        self.camera: Camera | None = None
-        self._kit = kit
+        self._resources = resources
         self._owned: list[Any] = []
         self._arrays: dict[Any, moderngl.VertexArray] = {}
         self._center = scene.bounds.mean(0)
         try:
-            self._draws = [self._upload(draw) for draw in scene.meshes if len(draw.triangles) and len(draw.transforms)]
+            self._meshes = [self._upload(draw) for draw in scene.meshes if len(draw.triangles) and len(draw.transforms)]
         except BaseException:
             self.release()
             raise
@@ -61,7 +63,7 @@ class SceneBuffers:
         return draw, buffers, self._buffer(np.ascontiguousarray(draw.triangles))
 
     def _buffer(self, data: NDArray[Any] | None = None, *, reserve: int = 0) -> moderngl.Buffer:
-        made = self._kit.ctx.mgl.buffer(data, reserve=reserve)
+        made = self._resources.ctx.mgl.buffer(data, reserve=reserve)
         self._owned.append(made)
         return made
 
@@ -71,10 +73,12 @@ class SceneBuffers:
             buffer.write(np.ascontiguousarray(part(slice(start, start + CHUNK))), offset=start * stride)
         return buffer
 
-    def draw(self, view: ViewConstants, writes: Sequence[str], uniforms: Mapping[str, Any], defines: Mapping[str, int]) -> None:
-        """Draw everything into the bound framebuffer, whose targets are ``writes`` in this order."""
-        assert self.camera is not None
-        to_view = np.asarray(np.linalg.inv(self.camera.pose), np.float64)
+    def draw(
+        self, draw: DrawScene, camera: Camera, view: ViewConstants, writes: Sequence[str], uniforms: Mapping[str, Any]
+    ) -> None:
+        """Draw everything before ``camera`` into the bound framebuffer, whose targets are ``writes`` in this order."""
+        defines = draw.defines
+        to_view = np.asarray(np.linalg.inv(camera.pose), np.float64)
         from_center = to_view.copy()
         from_center[:3, 3] += to_view[:3, :3] @ self._center
         projection = fit_depth_range(view, *self._depth_range(from_center))
@@ -87,16 +91,16 @@ class SceneBuffers:
             "u_light": LIGHT,
             **uniforms,
         }
-        for number, (draw, buffers, index) in enumerate(self._draws):
-            program = self._kit.program("gbuffer.vert", "gbuffer.frag", {**_defines(draw, writes, defines), **defines})
+        for number, (mesh, buffers, index) in enumerate(self._meshes):
+            program = self._resources.program(*draw.shader, {**_defines(mesh, writes, defines), **defines})
             key = (number, program)
             vao = self._arrays.get(key)
             if vao is None:
                 content = [(buffers[n][0], buffers[n][1], n) for n in buffers if n in program.mgl]
-                vao = self._arrays[key] = self._kit.ctx.mgl.vertex_array(program.mgl, content, index)
+                vao = self._arrays[key] = self._resources.ctx.mgl.vertex_array(program.mgl, content, index)
             program.set(shared)
-            program.set({"u_color": (*draw.color, 1.0)})
-            vao.render(moderngl.TRIANGLES, instances=len(draw.transforms))
+            program.set({"u_color": (*mesh.color, 1.0)})
+            vao.render(moderngl.TRIANGLES, instances=len(mesh.transforms))
 
     def _depth_range(self, from_center: Matrix) -> tuple[float, float]:
         """Smallest and largest linear depth of the scene's bounding box."""
@@ -111,7 +115,7 @@ class SceneBuffers:
             array.release()
         for buffer in self._owned:
             buffer.release()
-        self._arrays, self._owned, self._draws = {}, [], []
+        self._arrays, self._owned, self._meshes = {}, [], []
 
 
 def fit_depth_range(view: ViewConstants, nearest: float, farthest: float) -> Matrix:
@@ -151,24 +155,24 @@ def log_depth(view: ViewConstants, projection: Matrix) -> tuple[Matrix, tuple[fl
 
 
 TARGETS = {
-    "z": "DEPTH_TARGET",
-    "z2": "DEPTH_TARGET",
-    "normal": "NORMAL_TARGET",
-    "shading_normal": "SHADING_NORMAL_TARGET",
-    "color": "COLOR",
+    DEPTH: "DEPTH_TARGET",
+    DEPTH_LAYER_2: "DEPTH_TARGET",
+    NORMAL: "NORMAL_TARGET",
+    SHADING_NORMAL: "SHADING_NORMAL_TARGET",
+    COLOR: "COLOR",
 }
 """Resource -> the define that makes the shader write it."""
 
 
-def _defines(draw: Mesh, writes: Sequence[str], given: Mapping[str, int]) -> dict[str, int]:
+def _defines(draw: Mesh, writes: Sequence[str], given: Mapping[str, Define]) -> dict[str, int]:
     """What the shader of a mesh must do, and no more."""
     defines: dict[str, int] = {"TARGETS": len(writes)} | {TARGETS[name]: index for index, name in enumerate(writes)}
-    smooth = {"shading_normal", "color"} | (set() if "GEOMETRIC" in given else {"normal"})
-    if "normal" in writes or smooth & set(writes):
+    smooth = {SHADING_NORMAL, COLOR} | (set() if "GEOMETRIC" in given else {NORMAL})
+    if NORMAL in writes or smooth & set(writes):
         defines["NORMAL"] = 1
     if smooth & set(writes) and draw.normals is not None:
         defines["SMOOTH"] = 1
-    if "color" in writes and draw.vertex_colors is not None:
+    if COLOR in writes and draw.vertex_colors is not None:
         defines["VERTEX_COLOR"] = 1
     return defines
 

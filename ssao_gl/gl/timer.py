@@ -18,6 +18,8 @@ class PassTime:
     clock: str
     cpu_ms: float
     """Of all threads of this process: on a software renderer the work itself, whatever else the machine does."""
+    role: str
+    """What the pass is for; see :data:`ssao_gl.graph.declare.Role`."""
 
 
 class Timer:
@@ -28,33 +30,36 @@ class Timer:
         self._gpu = ctx.gpu_timer
         self.clock = "gpu" if self._gpu else "wall"
         self._queries: list[Any] = []  # used again: moderngl never frees one
-        self._names: list[str] = []
+        self._passes: list[tuple[str, str]] = []
         self._waits: list[float] = []
         self._cpu: list[float] = []
         self._began = self._cpu_began = 0.0
 
     def restart(self) -> None:
         """Forget what was timed."""
-        self._names, self._waits, self._cpu = [], [], []
+        self._passes, self._waits, self._cpu = [], [], []
         if not self._gpu:
             self._ctx.mgl.finish()
 
     def start(self) -> None:
         if self._gpu:
-            if len(self._names) == len(self._queries):
+            if len(self._passes) == len(self._queries):
                 self._queries.append(self._ctx.mgl.query(time=True))
-            self._queries[len(self._names)].mglo.begin()
+            self._queries[len(self._passes)].mglo.begin()
         self._began, self._cpu_began = time.perf_counter(), time.process_time()
 
-    def stop(self, name: str) -> None:
+    def stop(self, name: str, role: str) -> None:
         if self._gpu:
-            self._queries[len(self._names)].mglo.end()
+            self._queries[len(self._passes)].mglo.end()
         else:
             self._ctx.mgl.finish()
             self._waits.append(1e3 * (time.perf_counter() - self._began))
-        self._names.append(name)
+        self._passes.append((name, role))
         self._cpu.append(1e3 * (time.process_time() - self._cpu_began))
 
     def results(self) -> list[PassTime]:
-        spent = [query.elapsed * 1e-6 for query in self._queries[: len(self._names)]] if self._gpu else self._waits
-        return [PassTime(name, ms, self.clock, cpu) for name, ms, cpu in zip(self._names, spent, self._cpu, strict=True)]
+        spent = [query.elapsed * 1e-6 for query in self._queries[: len(self._passes)]] if self._gpu else self._waits
+        return [
+            PassTime(name, ms, self.clock, cpu, role)
+            for (name, role), ms, cpu in zip(self._passes, spent, self._cpu, strict=True)
+        ]

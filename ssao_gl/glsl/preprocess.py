@@ -8,6 +8,7 @@ and constant indices are legal in every dialect. ``N`` is a number or the name o
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import re
 from collections.abc import Mapping
@@ -41,6 +42,25 @@ def names() -> list[str]:
     return sorted(p.relative_to(root()).as_posix() for p in files)
 
 
+def beside(module: str, name: str) -> str:
+    """Return the name, for :func:`build`, of a shader file that lies beside another package's module. Raises ShaderError."""
+    qualified = f"{module}:{name}"
+    if not _path(qualified).is_file():
+        raise ShaderError(f"there is no shader '{name}', neither here nor beside the module {module} ({_path(qualified)})")
+    return qualified
+
+
+def _path(name: str) -> Path:
+    """Where a shader or what it includes lies. ``module:file``: beside a module of somebody else's."""
+    module, colon, file = name.rpartition(":")
+    if not colon:
+        return root() / name
+    found = importlib.util.find_spec(module)
+    if found is None or not found.origin:
+        raise ShaderError(f"the shader '{name}' lies beside the module {module}, which cannot be found")
+    return Path(found.origin).parent / file
+
+
 @dataclass(frozen=True, slots=True)
 class ShaderSource:
     """A shader as the driver gets it, and where each of its lines came from."""
@@ -66,7 +86,7 @@ def build(name: str, defines: Mapping[str, Define] | None = None, dialect: str =
     """Assemble the shader ``name`` (such as ``"methods/alchemy.frag"``). Raises ShaderError naming file and line."""
     if dialect not in DIALECTS:
         raise ShaderError(f"unknown dialect '{dialect}'; one of {', '.join(DIALECTS)}.{near_miss(dialect, DIALECTS)}")
-    if name not in names():
+    if name not in names() and not (":" in name and _path(name).is_file()):
         raise ShaderError(f"there is no shader '{name}'; there are {', '.join(names())}.{near_miss(name, names())}")
     defines = dict(defines or {})
     if dialect == "es100" and not speaks_es100(name, defines):
@@ -89,7 +109,7 @@ def speaks_es100(name: str, defines: Mapping[str, Define]) -> bool:
 
 @cache
 def _read(name: str) -> str:
-    path = root() / name
+    path = _path(name)
     try:
         return path.read_text("utf-8")
     except OSError as error:
@@ -107,13 +127,20 @@ def _expand(name: str, defines: Mapping[str, Define], seen: set[str], out: list[
         if match is None:
             out.append((line, name, number))
         elif match[1] == "include":
-            included = match[2]
-            if not included or not (root() / included).is_file():
-                raise ShaderError(f"{name}:{number}: cannot include '{included or match[3]}'")
+            included = _included(name, match[2] or "")
+            if included is None:
+                raise ShaderError(f"{name}:{number}: cannot include '{match[2] or match[3]}'")
             if included not in seen:
                 _expand(included, defines, seen, out)
         else:
             out += [(match[4].replace("@", str(i)), name, number) for i in range(_count(match[3], defines, name, number))]
+
+
+def _included(name: str, included: str) -> str | None:
+    """Return the name of what a shader includes: a file beside it where it is somebody else's, else one of ours; None: neither."""
+    module, colon, _ = name.rpartition(":")
+    places = [*([f"{module}:{included}"] if colon else []), included]
+    return next((place for place in places if included and _path(place).is_file()), None)
 
 
 def _count(text: str, defines: Mapping[str, Define], name: str, number: int) -> int:

@@ -2,24 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Literal
 
-BYTES = {"r8": 1, "rgba8": 4, "rg16f": 4, "rgba16f": 8, "r32f": 4, "rgba32f": 16, "depth24": 4}
-"""Bytes a pixel of each texture format; ``depth24`` is a depth buffer, which passes are tested against but never sample."""
+from .draws import Draw
 
-DEPTH = "depth24"
+BYTES = {
+    "r8": 1, "rgba8": 4, "rg16f": 4, "rgba16f": 8, "r32f": 4, "rgba32f": 16, "r32ui": 4, "rgba32ui": 16, "depth24": 4,
+}  # fmt: skip
+"""Bytes a texel of each format; ``depth24`` is a depth buffer, which passes are tested against but never sample."""
+
+DEPTH_FORMAT = "depth24"
+
+PREVIOUS = "@previous"
+"""Behind the name of a resource with a history: what it held after the last frame; zeros in the first one."""
+
+Role = Literal["gbuffer", "layer", "prepare", "cull", "occlusion", "denoise", "upsample", "composite"]
+"""What a pass is for. Reports count times by it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Texture:
-    """A transient target: its format and its size as a share of the frame (rounded up, at least one pixel)."""
+    """A target: its format and its size as a share of the frame (rounded up, at least one texel).
+
+    ``depth`` above 1: a 3-D texture of so many layers. ``lifetime`` history: what it holds can be read in the next frame, under
+    its name and ``@previous``.
+    """
 
     format: str
     scale: float = 1.0
+    depth: int = 1
+    lifetime: Literal["frame", "history"] = "frame"
 
     def size(self, frame: tuple[int, int]) -> tuple[int, int]:
+        """Return (width, height) in texels for a frame of that many pixels."""
         w, h = (max(1, -int(-side * self.scale // 1)) for side in frame)
         return w, h
 
@@ -39,12 +56,12 @@ class DepthTest:
 
 @dataclass(frozen=True, slots=True)
 class Pass:
-    """What a pass reads and writes and the one draw that does it. More than one write means multiple render targets."""
+    """One draw, what it is for and what it writes. More than one write means multiple render targets."""
 
     name: str
-    reads: tuple[str, ...]
+    role: Role
+    draw: Draw
     writes: Mapping[str, Texture]
-    draw: Callable[[Any], None] = field(compare=False, repr=False)
     depth: str | None = None
     """Name of the depth buffer that it writes; it lives on when another pass is tested against it."""
     test: DepthTest | None = None
@@ -53,8 +70,20 @@ class Pass:
     clear: tuple[float, ...] | None = None
     """What it leaves where it does not draw, in targets that are not drawn over; passes that say so draw only where there is
     something, in the part of the image that is wanted."""
+    blend: Literal["replace", "add"] = "replace"
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """The resources that it samples."""
+        return tuple(self.draw.samplers.values())
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """All that must be there before it runs."""
-        return (*self.reads, *self.over.values(), *((self.test.name,) if self.test else ()))
+        """All that must be there before it runs; the last frame's content is."""
+        now = (name for name in self.reads if not name.endswith(PREVIOUS))
+        return (*now, *self.over.values(), *((self.test.name,) if self.test else ()))
+
+    @property
+    def remembers(self) -> tuple[str, ...]:
+        """Resources whose content of the last frame it samples."""
+        return tuple(name.removesuffix(PREVIOUS) for name in self.reads if name.endswith(PREVIOUS))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypedDict
+from dataclasses import dataclass
 
 from .plan import PlannedPass
 
@@ -13,25 +13,34 @@ Rect = tuple[int, int, int, int]
 """x, y, width, height in pixels, from the lower left."""
 
 
-class DrawRegion(TypedDict):
-    """Which part of a frame is drawn; see :meth:`FrameExecutor.run`."""
+@dataclass(frozen=True, slots=True)
+class DrawRegion:
+    """Which part of a frame is drawn. None: all of it.
 
-    inside: Rect | None
-    covered: Rect | None
+    image_rect: the part that is wanted; what only it needs is drawn only there. scene_rect: the part beside which there is
+    nothing but background.
+    """
 
+    image_rect: Rect | None = None
+    scene_rect: Rect | None = None
 
-def drawn_rect(step: PlannedPass, inside: Rect | None, covered: Rect | None) -> Rect | None:
-    """Where a pass that says what is left elsewhere has anything to draw, in pixels of its target; None: all of it."""
-    if not step.task.clear or (inside is None and covered is None):
-        return None
-    scale = step.scale
-    x0, y0, x1, y1 = 0, 0, step.size[0] * scale, step.size[1] * scale
-    if inside:
-        x, y, w, h = inside
-        grow = 0 if step.final else MARGIN  # what later passes look at
-        x0, y0, x1, y1 = x - grow, y - grow, x + w + grow, y + h + grow
-    if covered:
-        x, y, w, h = covered
-        x0, y0, x1, y1 = max(x0, x), max(y0, y), min(x1, x + w), min(y1, y + h)
-    x0, y0, x1, y1 = x0 // scale, y0 // scale, -(-x1 // scale), -(-y1 // scale)
-    return x0, y0, max(x1 - x0, 0), max(y1 - y0, 0)
+    @property
+    def whole(self) -> bool:
+        """Whether everything is drawn."""
+        return self.image_rect is None and self.scene_rect is None
+
+    def of(self, step: PlannedPass) -> Rect | None:
+        """Return where a pass that says what is left elsewhere has anything to draw, in texels of its target; None: all of it."""
+        if not step.task.clear or self.whole:
+            return None
+        scale = step.scale
+        x0, y0, x1, y1 = 0, 0, step.size[0] * scale, step.size[1] * scale
+        if self.image_rect:
+            x, y, w, h = self.image_rect
+            grow = 0 if step.final else MARGIN  # what later passes look at
+            x0, y0, x1, y1 = x - grow, y - grow, x + w + grow, y + h + grow
+        if self.scene_rect:
+            x, y, w, h = self.scene_rect
+            x0, y0, x1, y1 = max(x0, x), max(y0, y), min(x1, x + w), min(y1, y + h)
+        x0, y0, x1, y1 = x0 // scale, y0 // scale, -(-x1 // scale), -(-y1 // scale)
+        return x0, y0, max(x1 - x0, 0), max(y1 - y0, 0)

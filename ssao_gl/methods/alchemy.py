@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SettingsError
+from ..graph.names import DEPTH, NORMAL
 from ..sampling.disk import Kernel, Rotation
 from ..sampling.falloff import CORNER
-from ..scene.projection import ViewConstants
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 
 @register
@@ -29,7 +31,7 @@ class Alchemy:
 
     name: ClassVar[str] = "alchemy"
     shader: ClassVar[str] = "methods/alchemy.frag"
-    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": DEPTH, "u_normal": NORMAL}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
         "draft": {"samples": 4},
@@ -54,12 +56,16 @@ class Alchemy:
     def __post_init__(self) -> None:
         validate(self)
 
+    @property
+    def traits(self) -> Traits:
+        return Traits(noise_tile=self.tile, max_reach=self.max_radius, taps_setting="samples")
+
     def defines(self) -> Mapping[str, int]:
         return {"SAMPLES": self.samples}
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+    def constants(self) -> Mapping[str, Any]:
         if self.radius is None:
-            raise ValueError("the radius must be settled before the draw")
+            raise SettingsError("the radius must be settled before the draw")
         kernel = Kernel(count=self.samples, distribution=self.distribution, seed=self.seed)
         return {
             "u_samples": kernel.points(),
@@ -71,5 +77,5 @@ class Alchemy:
             "u_rotation_width": float(self.tile),
         }
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         return {"u_rotation": Rotation(tile=self.tile, distribution=self.rotation, seed=self.seed).vectors()}

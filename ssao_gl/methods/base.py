@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..glsl.preprocess import Define
-from ..scene.projection import ViewConstants
+from ..graph.draws import Define
+from .traits import Traits
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,31 +24,40 @@ class Deviation:
 
 @runtime_checkable
 class Method(Protocol):
-    """What an AO method is: a frozen dataclass with a shader. Lengths are in scene units unless it says otherwise."""
+    """An ambient-occlusion method: a frozen dataclass of settings with a shader. Lengths are in scene units unless it says otherwise."""
 
     name: ClassVar[str]
     shader: ClassVar[str]
-    """Fragment shader, below ``shaders/``."""
+    """Fragment shader: below ``shaders/``, or beside the module of the method."""
     exceptions: ClassVar[Mapping[str, Deviation]]
-    """Contracts (see ``tests/gl/test_contract.py``) that the published definition breaks. Empty for good methods."""
-    # Optional: presets: ClassVar[Mapping[str, Mapping[str, Any]]], name -> values of fields; the report sweeps over them.
+    """Contracts (``ssao-gl stress --list``) that the published definition breaks. Empty for good methods."""
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]]
+    """Name -> values of settings; the report sweeps over them. Empty: there is one way to run it."""
 
     @property
     def radius(self) -> Any: ...
 
     @property
+    def traits(self) -> Traits:
+        """What the pipeline may ask of it."""
+        ...
+
+    @property
     def samplers(self) -> Mapping[str, str]:
-        """Sampler uniform -> resource: ``z``, ``normal``, ``z_over_far``, ``z2`` (the layer behind)."""
+        """Sampler uniform -> resource, of :mod:`ssao_gl.graph.names`."""
         ...
 
     def defines(self) -> Mapping[str, Define]:
-        """What is compiled into the shader."""
+        """Return what is compiled into the shader."""
         ...
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
-        """What the shader is given for a view: the mapping from settings to constants. Pure."""
+    def constants(self) -> Mapping[str, Any]:
+        """Return the uniforms that settings decide: numbers, tuples, arrays, and ViewValues for what depends on the view.
+
+        Raises SettingsError when the radius is not settled.
+        """
         ...
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
-        """Sampler uniform -> small repeating table (h, w, 2)."""
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
+        """Return small repeating textures (h, w, channels) by sampler uniform. ``outputs``: what is drawn beside visibility."""
         ...

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -11,12 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..glsl.preprocess import Define
+from ..graph.draws import Define
+from ..graph.names import BENT_NORMAL, DEPTH, DEPTH_LAYER_2, PIXEL_DEPTH, PIXEL_NORMAL, VISIBILITY
 from ..sampling.disk import bayer
-from ..scene.projection import ViewConstants
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 FALLOFFS = ("hard", "quadratic", "obscurance", "alchemy")
 """As in :class:`ssao_gl.falloff.Falloff`; the shader knows them by number."""
@@ -36,8 +38,6 @@ class Bitmask:
     name: ClassVar[str] = "bitmask"
     shader: ClassVar[str] = "methods/bitmask.frag"
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
-    open_is_exact: ClassVar[bool] = True
-    """What stands less than a sector above the tangent plane hides nothing: visibility is 1 to the last bit."""
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
         "draft": {"scale": 4, "steps": 4},
         "low": {"scale": 2, "steps": 5},
@@ -77,17 +77,42 @@ class Bitmask:
                 raise SettingsError(f"bitmask.{name}={getattr(self, name)}: must be one of {', '.join(map(str, known))}")
 
     @property
+    def traits(self) -> Traits:
+        layers = {"second_layer"} if self.layers == 2 else set()
+        return Traits(
+            inputs=frozenset({"depth", "normal", *layers}),
+            outputs=frozenset({VISIBILITY, BENT_NORMAL}),
+            scale=self.scale,
+            noise_tile=self.tile,
+            guard_band=self.guard,
+            unguarded=dataclasses.replace(self, guard=0.0) if self.guard else None,
+            max_reach=self.max_radius,
+            exactly_open=True,  # what stands less than a sector above the tangent plane hides nothing
+            taps=self.slices * self.steps,
+            taps_setting="slices",
+            probe_setting="adaptive",
+            probe=dataclasses.replace(self, slices=4, steps=6, tile=1) if self.adaptive else None,
+            refine_below=self.refine,
+            refined=dataclasses.replace(self, slices=max(4, self.slices)) if self.refine else None,
+        )
+
+    @property
     def samplers(self) -> Mapping[str, str]:
-        return {"u_z": "z", **({"u_z2": "z2"} if self.layers == 2 else {})}
+        return {
+            "u_z": DEPTH,
+            "u_pixel_z": PIXEL_DEPTH,
+            "u_pixel_normal": PIXEL_NORMAL,
+            **({"u_z2": DEPTH_LAYER_2} if self.layers == 2 else {}),
+        }
 
     def defines(self) -> Mapping[str, Define]:
         every: dict[str, Define] = {"SLICES": self.slices, "STEPS": self.steps}
         every |= {"SECOND_LAYER": 1} if self.layers == 2 else {}
         return every | ({"FALLOFF": FALLOFFS.index(self.falloff)} if self.falloff != "hard" else {})
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+    def constants(self) -> Mapping[str, Any]:
         if self.radius is None:
-            raise ValueError("the radius must be settled before the draw")
+            raise SettingsError("the radius must be settled before the draw")
         angle = math.pi / self.slices
         return {
             "u_per_radius": 1 / self.radius,
@@ -97,17 +122,17 @@ class Bitmask:
             "u_next_slice": (math.cos(angle), math.sin(angle)),
         }
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
-        """Directions and step offsets, both stratified over the tile and in an order that sets neighbours apart."""
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
+        """Directions and step offsets, both stratified over the tile and in an order that sets neighbours apart.
+
+        For bent normals also the mean directions of the eighths of a slice.
+        """
         count = self.tile**2
         order = bayer(self.tile).reshape(self.tile, self.tile)
         angle = (order + 0.5) / count * math.pi / self.slices
         offset = (order * 7 % count + 0.5) / count
-        return {"u_noise": np.stack([np.cos(angle), np.sin(angle), offset, np.zeros_like(offset)], -1).astype(np.float32)}
-
-    def bent(self) -> Mapping[str, NDArray[np.float32]]:
-        """Lookups for bent normals."""
-        return {"u_directions": octant_directions()}
+        noise = np.stack([np.cos(angle), np.sin(angle), offset, np.zeros_like(offset)], -1).astype(np.float32)
+        return {"u_noise": noise, **({"u_directions": octant_directions()} if BENT_NORMAL in outputs else {})}
 
 
 def octant_directions(width: int = 128, steps: int = 4096) -> NDArray[np.float32]:

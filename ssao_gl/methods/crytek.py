@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..glsl.preprocess import Define
+from ..graph.draws import Define
+from ..graph.names import DEPTH
 from ..sampling import noise
 from ..sampling.sphere import reflection_planes, sphere_points
-from ..scene.projection import ViewConstants
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 _GREY = "half of the sphere round a point of a surface lies behind it"
 
@@ -36,7 +37,7 @@ class Crytek:
 
     name: ClassVar[str] = "crytek"
     shader: ClassVar[str] = "methods/crytek.frag"
-    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z"}
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": DEPTH}
     exceptions: ClassVar[Mapping[str, Deviation]] = {
         "plane": Deviation(0.8, "half the sphere lies behind the plane; near the border its nearer part is not in the image"),
         "radius": Deviation(0.6, f"{_GREY}, however small it is"),
@@ -56,12 +57,16 @@ class Crytek:
     def __post_init__(self) -> None:
         validate(self)
 
+    @property
+    def traits(self) -> Traits:
+        return Traits(inputs=frozenset({"depth"}), max_reach=self.max_radius, taps_setting="samples")
+
     def defines(self) -> Mapping[str, Define]:
         return {"SAMPLES": self.samples}
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+    def constants(self) -> Mapping[str, Any]:
         reach = noise.reach_uniforms(self.radius, self.max_radius)
         return {**reach, "u_points": sphere_points(self.samples), "u_gain": 2.0 if self.doubled else 1.0}
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         return {"u_planes": reflection_planes(noise.TILE)}

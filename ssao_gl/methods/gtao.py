@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..glsl.preprocess import Define
+from ..graph.draws import Define
+from ..graph.names import DEPTH, NORMAL
 from ..sampling import noise
-from ..scene.projection import ViewConstants
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 
 @register
@@ -39,7 +40,7 @@ class Gtao:
 
     name: ClassVar[str] = "gtao"
     shader: ClassVar[str] = "methods/gtao.frag"
-    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": DEPTH, "u_normal": NORMAL}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {
         "low": {"slices": 1, "steps": 2},
@@ -61,10 +62,14 @@ class Gtao:
     def __post_init__(self) -> None:
         validate(self)
 
+    @property
+    def traits(self) -> Traits:
+        return Traits(max_reach=self.max_radius, taps=self.slices * self.steps, taps_setting="slices")
+
     def defines(self) -> Mapping[str, Define]:
         return {"SLICES": self.slices, "STEPS": self.steps}
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+    def constants(self) -> Mapping[str, Any]:
         angle = math.pi / self.slices
         radius = None if self.radius is None else self.radius * self.radius_multiplier
         return {
@@ -76,5 +81,5 @@ class Gtao:
             "u_power": self.power,
         }
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         return {"u_noise": noise.tile_directions(math.pi / self.slices)}

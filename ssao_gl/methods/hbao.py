@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..glsl.preprocess import Define
+from ..graph.draws import Define
+from ..graph.names import DEPTH, NORMAL
 from ..sampling import noise
-from ..scene.projection import ViewConstants
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 
 @register
@@ -32,8 +33,9 @@ class Hbao:
 
     name: ClassVar[str] = "hbao"
     shader: ClassVar[str] = "methods/hbao.frag"
-    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": DEPTH, "u_normal": NORMAL}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
 
     radius: float | None = noise.radius()
     directions: int = setting(6, "round each pixel", low=1, high=32)
@@ -47,10 +49,14 @@ class Hbao:
     def __post_init__(self) -> None:
         validate(self)
 
+    @property
+    def traits(self) -> Traits:
+        return Traits(max_reach=self.max_radius, taps_setting="steps")
+
     def defines(self) -> Mapping[str, Define]:
         return {"DIRECTIONS": self.directions, "STEPS": self.steps}
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+    def constants(self) -> Mapping[str, Any]:
         angle = 2 * math.pi / self.directions
         return {
             **noise.reach_uniforms(self.radius, self.max_radius),
@@ -59,5 +65,5 @@ class Hbao:
             "u_strength": self.intensity / self.directions,
         }
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         return {"u_noise": noise.tile_directions(2 * math.pi / self.directions)}

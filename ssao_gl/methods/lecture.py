@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SettingsError
+from ..graph.draws import ViewValue
+from ..graph.names import DEPTH_OVER_FAR, NORMAL
 from ..sampling.disk import Kernel, Rotation
-from ..scene.projection import ViewConstants
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 
 @register
@@ -34,7 +35,7 @@ class Lecture:
 
     name: ClassVar[str] = "lecture"
     shader: ClassVar[str] = "methods/lecture.frag"
-    samplers: ClassVar[Mapping[str, str]] = {"depth": "z_over_far", "normal": "normal"}
+    samplers: ClassVar[Mapping[str, str]] = {"depth": DEPTH_OVER_FAR, "normal": NORMAL}
     exceptions: ClassVar[Mapping[str, Deviation]] = {
         "orthographic": Deviation(math.inf, "far-plane point times depth holds for a perspective only; it refuses others"),
         "infinite far": Deviation(math.inf, "depth is z / far; it refuses a camera without a far plane"),
@@ -56,25 +57,29 @@ class Lecture:
     def __post_init__(self) -> None:
         validate(self)
 
+    @property
+    def traits(self) -> Traits:
+        return Traits(
+            cameras=frozenset({"perspective", "far plane"}),
+            noise_tile=self.tile,
+            radius_unit="share of the image",
+            taps_setting="samples",
+        )
+
     def defines(self) -> Mapping[str, int]:
         return {"NSAMPLES": self.samples}
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
-        """Raises SettingsError for a camera without a far plane or with parallel rays, for which it is not defined."""
-        if not view.pinhole:
-            raise SettingsError("lecture: is defined for perspective cameras only; use another method")
-        if not math.isfinite(view.far):
-            raise SettingsError("lecture: needs a far plane, since its depth is z / far; give zfar, or use another method")
+    def constants(self) -> Mapping[str, Any]:
         kernel = Kernel(count=self.samples, distribution=self.distribution, seed=self.seed)
         return {
-            "iProjection": np.linalg.inv(view.projection).T,
+            "iProjection": ViewValue("inverse_projection"),
             "samples": kernel.points(),
-            "radius": tuple(self.radius * whole / side for whole, side in zip(view.whole or view.size, view.size, strict=True)),
-            "ssaoSize": tuple(map(float, view.size)),
+            "radius": ViewValue("image_share", self.radius),
+            "ssaoSize": ViewValue("image_size"),
             "rotationWidth": float(self.tile),
-            "texelSize": (1 / view.size[0], 1 / view.size[1]),
-            "u_far": view.far,
+            "texelSize": ViewValue("image_texel"),
+            "u_far": ViewValue("far"),
         }
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         return {"rotation": Rotation(tile=self.tile, distribution=self.rotation, seed=self.seed).vectors()}

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import dataclasses
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..glsl.preprocess import Define
-from ..scene.projection import ViewConstants
+from ..errors import SettingsError
+from ..graph.draws import Define
+from ..graph.names import DEPTH, DEPTH_LAYER_2, NORMAL
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 
 @register
@@ -30,6 +33,7 @@ class Reference:
     name: ClassVar[str] = "reference"
     shader: ClassVar[str] = "methods/reference.frag"
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
 
     radius: float | None = setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
     thickness: float | None = setting(0.5, "of what a texel shows, behind it; none: infinite", unit="radii", above=0, high=1000)
@@ -43,16 +47,30 @@ class Reference:
         validate(self)
 
     @property
+    def traits(self) -> Traits:
+        layers = {"second_layer"} if self.layers == 2 else set()
+        few = dataclasses.replace(self, slices=min(self.slices, 2), max_steps=min(self.max_steps, 64))
+        exhaustive = self.slices > 16 or self.max_steps > 512
+        return Traits(
+            inputs=frozenset({"depth", "normal", *layers}),
+            max_reach=float(self.max_steps),
+            taps_setting="slices",
+            affordable=few if exhaustive else None,
+        )
+
+    @property
     def samplers(self) -> Mapping[str, str]:
-        return {"u_z": "z", "u_normal": "normal", **({"u_z2": "z2"} if self.layers == 2 else {})}
+        return {"u_z": DEPTH, "u_normal": NORMAL, **({"u_z2": DEPTH_LAYER_2} if self.layers == 2 else {})}
 
     def defines(self) -> Mapping[str, Define]:
         every: dict[str, Define] = {"SLICES": self.slices, "MAX_STEPS": self.max_steps}
         every |= {"SECOND_LAYER": 1} if self.layers == 2 else {}
         return every | ({"THICK": 1} if self.thickness is None else {})
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+    def constants(self) -> Mapping[str, Any]:
+        if self.radius is None:
+            raise SettingsError("the radius must be settled before the draw")
         return {"u_radius": self.radius, "u_thickness": self.thickness or 0.0}
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         return {}

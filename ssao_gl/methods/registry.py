@@ -4,40 +4,63 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import logging
 import pkgutil
 from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any, TypeVar
 
 from .. import methods
-from ..errors import SettingsError, near_miss
+from ..errors import SettingsError, near_miss, one_line
+from ..glsl import preprocess
+from .base import Method
+from .traits import Traits
 
 AnyMethod = TypeVar("AnyMethod", bound=type)
-_METHODS: dict[str, type] = {}
+_METHODS: dict[str, type[Method]] = {}
+_OPTIONAL: Mapping[str, Any] = {"presets": {}, "exceptions": {}, "traits": Traits()}
+"""Members that a method may leave out, and what they are then."""
+_NEEDED = ("name", "shader", "radius", "samplers", "defines", "constants", "tables")
+
+log = logging.getLogger("ssao_gl")
 
 
 def register(method: AnyMethod) -> AnyMethod:
-    """Class decorator that makes a method known by its name. Raises SettingsError when the name is taken."""
-    name = method.name  # type: ignore[attr-defined]
-    if name in _METHODS and _METHODS[name].__qualname__ != method.__qualname__:
-        raise SettingsError(f"two AO methods are called '{name}'")
-    _METHODS[name] = method
+    """Make a method known by its name; a class decorator.
+
+    Its shader may lie beside its module. Raises SettingsError when the name is taken, or a member is missing.
+    """
+    members = {member for kind in method.__mro__ for member in vars(kind)} | set(method.__dataclass_fields__)  # type: ignore[attr-defined]
+    if missing := [member for member in _NEEDED if member not in members]:
+        raise SettingsError(f"the AO method {method.__name__} has no {', '.join(missing)}; see ssao_gl.methods.base.Method")
+    for member, default in _OPTIONAL.items():
+        if member not in members:
+            setattr(method, member, default)
+    found: type[Method] = method
+    if found.name in _METHODS and _METHODS[found.name].__qualname__ != found.__qualname__:
+        raise SettingsError(f"two AO methods are called '{found.name}'")
+    if not found.__module__.startswith(f"{methods.__name__}.") and found.shader not in preprocess.names():
+        found.shader = preprocess.beside(found.__module__, found.shader)
+    _METHODS[found.name] = found
     return method
 
 
 @cache
-def registry() -> Mapping[str, type]:
-    """Every method by name: ours first, then those of installed packages."""
+def registry() -> Mapping[str, type[Method]]:
+    """Return every method by name: ours first, then those of installed packages. A package that fails is left out, and named."""
     for module in pkgutil.iter_modules(methods.__path__):
         importlib.import_module(f"{methods.__name__}.{module.name}")
-
     for entry in importlib.metadata.entry_points(group="ssao_gl.methods"):
-        register(entry.load())
+        try:
+            register(entry.load())
+        except Exception as error:  # somebody else's code may fail in any way
+            where = f"{entry.name} ({entry.value})"
+            log.warning("the AO method %s cannot be used: %s: %s", where, type(error).__name__, one_line(error, 200))
     return dict(_METHODS)
 
 
 def method(name: str) -> Any:
-    """The method called ``name`` with its default settings. Raises SettingsError for an unknown name."""
+    """Return the method called ``name`` with its default settings. Raises SettingsError for an unknown name."""
     known = registry()
     if name not in known:
         raise SettingsError(f"unknown method '{name}'; there are {', '.join(known)}.{near_miss(name, known)}")
@@ -45,9 +68,8 @@ def method(name: str) -> Any:
 
 
 def presets_of(name: str) -> Mapping[str, Mapping[str, Any]]:
-    """The presets of the method called ``name``, by name: values of fields. They are optional."""
-    made: Mapping[str, Mapping[str, Any]] = getattr(registry().get(name), "presets", {})
-    return made
+    """Return the presets of the method called ``name``, by name: values of settings. None for an unknown method."""
+    return registry()[name].presets if name in registry() else {}
 
 
 def check_presets(asked: Iterable[str], known: Iterable[str]) -> None:

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..glsl.preprocess import Define
+from ..graph.draws import Define
+from ..graph.names import DEPTH, NORMAL
 from ..sampling import noise
 from ..sampling.disk import Rotation
-from ..scene.projection import ViewConstants
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 
 @register
@@ -33,8 +34,9 @@ class Sao:
 
     name: ClassVar[str] = "sao"
     shader: ClassVar[str] = "methods/sao.frag"
-    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": DEPTH, "u_normal": NORMAL}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
 
     radius: float | None = noise.radius()
     samples: int = setting(11, "taps a pixel", low=1, high=128)
@@ -46,15 +48,19 @@ class Sao:
     def __post_init__(self) -> None:
         validate(self)
 
+    @property
+    def traits(self) -> Traits:
+        return Traits(max_reach=self.max_radius, taps_setting="samples")
+
     def defines(self) -> Mapping[str, Define]:
         return {"SAMPLES": self.samples}
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+    def constants(self) -> Mapping[str, Any]:
         length = (np.arange(self.samples) + 0.5) / self.samples
         angle = length * self.turns * 2 * math.pi
         spiral = np.stack([length * np.cos(angle), length * np.sin(angle)], 1).astype(np.float32)
         reach = noise.reach_uniforms(self.radius, self.max_radius)
         return {**reach, "u_spiral": spiral, "u_bias": self.bias, "u_strength": 5 * self.intensity}
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         return {"u_rotation": Rotation(tile=noise.TILE).vectors()}

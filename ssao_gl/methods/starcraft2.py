@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..glsl.preprocess import Define
+from ..graph.draws import Define
+from ..graph.names import DEPTH, NORMAL
 from ..sampling import noise
 from ..sampling.sphere import reflection_planes, sphere_points
-from ..scene.projection import ViewConstants
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 
 @register
@@ -34,7 +35,7 @@ class Starcraft2:
 
     name: ClassVar[str] = "starcraft2"
     shader: ClassVar[str] = "methods/starcraft2.frag"
-    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": DEPTH, "u_normal": NORMAL}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {str(count): {"samples": count} for count in (8, 16, 32)}
 
@@ -51,10 +52,14 @@ class Starcraft2:
     def __post_init__(self) -> None:
         validate(self)
 
+    @property
+    def traits(self) -> Traits:
+        return Traits(max_reach=self.max_radius, taps_setting="samples")
+
     def defines(self) -> Mapping[str, Define]:
         return {"SAMPLES": self.samples, "RADII": self.radii}
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+    def constants(self) -> Mapping[str, Any]:
         return {
             **noise.reach_uniforms(self.radius, self.max_radius),
             "u_points": sphere_points(self.samples),
@@ -63,5 +68,5 @@ class Starcraft2:
             "u_bias": self.bias,
         }
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         return {"u_planes": reflection_planes(noise.TILE)}

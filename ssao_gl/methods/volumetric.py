@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..glsl.preprocess import Define
+from ..graph.draws import Define
+from ..graph.names import DEPTH, NORMAL
 from ..sampling import noise
 from ..sampling.disk import Kernel
-from ..scene.projection import ViewConstants
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
+from .traits import Traits
 
 
 @register
@@ -33,8 +34,9 @@ class Volumetric:
 
     name: ClassVar[str] = "volumetric"
     shader: ClassVar[str] = "methods/volumetric.frag"
-    samplers: ClassVar[Mapping[str, str]] = {"u_z": "z", "u_normal": "normal"}
+    samplers: ClassVar[Mapping[str, str]] = {"u_z": DEPTH, "u_normal": NORMAL}
     exceptions: ClassVar[Mapping[str, Deviation]] = {}
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
 
     radius: float | None = noise.radius()
     pairs: int = setting(4, "pairs of lines a pixel", low=1, high=64)
@@ -43,13 +45,17 @@ class Volumetric:
     def __post_init__(self) -> None:
         validate(self)
 
+    @property
+    def traits(self) -> Traits:
+        return Traits(max_reach=self.max_radius)
+
     def defines(self) -> Mapping[str, Define]:
         return {"PAIRS": self.pairs}
 
-    def uniforms(self, view: ViewConstants) -> Mapping[str, Any]:
+    def constants(self) -> Mapping[str, Any]:
         points = Kernel(count=self.pairs).points().astype(np.float64)
         half = np.sqrt(1 - (points**2).sum(1, keepdims=True))
         return {**noise.reach_uniforms(self.radius, self.max_radius), "u_lines": np.hstack([points, half]).astype(np.float32)}
 
-    def lookups(self) -> Mapping[str, NDArray[np.float32]]:
+    def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         return {"u_rotation": noise.tile_directions(math.pi / 2)}  # reflected, pairs turn by half a circle: all there is

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..gl.executor import Stage
 from ..graph.declare import Pass, Texture
+from ..graph.draws import Fullscreen
+from ..graph.names import COLOR, IMAGE, VISIBILITY
 
 
 def composite(ambient: float, background: Sequence[float], *, direct: bool) -> Pass:
-    """``image``: colour times light, its ambient share dimmed by visibility; ``background`` (sRGB) where there is nothing.
+    """Draw colour times light, its ambient share dimmed by visibility; ``background`` (sRGB) where there is nothing.
 
     ``direct``: alpha of colour is direct light.
     """
-
-    def draw(stage: Stage) -> None:
-        stage.fullscreen(
-            "composite.frag",
-            {"u_ambient": ambient},
-            {"u_color": "color", "u_visibility": "visibility"},
-            defines={"DIRECT": 1} if direct else {},
-        )
-
-    return Pass("composite", ("color", "visibility"), {"image": Texture("rgba8")}, draw, clear=(*background, 1.0))
+    samplers = {"u_color": COLOR, "u_visibility": VISIBILITY}
+    draw = Fullscreen("composite.frag", samplers, {"u_ambient": ambient}, defines={"DIRECT": 1} if direct else {})
+    return Pass("composite", "composite", draw, {IMAGE: Texture("rgba8")}, clear=(*background, 1.0))

@@ -2,84 +2,64 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-import numpy as np
-
-from ..gl.executor import Stage
 from ..graph.declare import Pass, Texture
-from ..scene.projection import ViewConstants
+from ..graph.draws import Fullscreen, Uniform, ViewValue
+from ..graph.names import (
+    BLOCK_BOUNDS,
+    BLOCK_OPEN,
+    BLOCK_PROBE,
+    BLOCK_SPREAD,
+    DEPTH,
+    NORMAL,
+    SHADE_MASK,
+    VISIBILITY_UNSHADED,
+)  # fmt: skip
 
 BLOCK = 16
 """Side of a block, pixels."""
 
-STEPS = 12
+TAPS = 12
 """Taps to a side of all slices of a pixel from which on looking for open blocks may pay."""
 TRIANGLE = 8
 """Pixels for each triangle from which on faces may fill blocks."""
 
-UNTOUCHED = "untouched"
-"""Visibility where nothing is drawn."""
-SHADE_MASK = "todo"
-"""Depth buffer: 0 where there is something to shade, half way where it is open, 1 on background."""
-PROBE = "probe"
-BOUNDS, SPREAD, OPEN = "block bounds", "block spread", "open blocks"
-
 
 def bound_blocks() -> Pass:
-    """What bounds the surfaces of each block from the front."""
-
-    def draw(stage: Stage) -> None:
-        stage.fullscreen(
-            "bounds.frag", {}, {"u_z": "z", "u_normal": "normal"}, defines={"TARGETS": 2, "BLOCK": BLOCK, "BELOW": BLOCK + 1}
-        )
-
-    return Pass(BOUNDS, ("z", "normal"), {BOUNDS: Texture("rgba32f", 1 / BLOCK), SPREAD: Texture("rgba32f", 1 / BLOCK)}, draw)
+    """Bound the surfaces of each block from the front."""
+    defines = {"TARGETS": 2, "BLOCK": BLOCK, "BELOW": BLOCK + 1}
+    draw = Fullscreen("block_bounds.frag", {"u_z": DEPTH, "u_normal": NORMAL}, defines=defines)
+    targets = {BLOCK_BOUNDS: Texture("rgba32f", 1 / BLOCK), BLOCK_SPREAD: Texture("rgba32f", 1 / BLOCK)}
+    return Pass("block bounds", "cull", draw, targets)
 
 
 def open_blocks(radius: float, max_radius: float) -> Pass:
-    """Which blocks are open within ``radius`` (scene units), or as much of it as ``max_radius`` pixels cover."""
-
-    def draw(stage: Stage) -> None:
-        w, h = stage.step.size
-        uniforms: dict[str, Any] = {
-            "u_block_texel": (1 / w, 1 / h),
-            "u_blocks": (float(w), float(h)),
-            "u_radius": radius,
-            "u_max_radius": max_radius,
-            "u_pixel": smaller_side(stage.view),
-        }
-        stage.fullscreen("open.frag", uniforms, {"u_bounds": BOUNDS, "u_spread": SPREAD}, defines={"BLOCK": BLOCK})
-
-    return Pass(OPEN, (BOUNDS, SPREAD), {OPEN: Texture("r8", 1 / BLOCK)}, draw)
-
-
-def smaller_side(view: ViewConstants) -> float:
-    """Least distance, in scene units for each unit of clip w, that moves a point by a pixel of the image."""
-    return float(np.linalg.svd(2 * np.linalg.inv(view.projection[:2, :2]) / np.asarray(view.size), compute_uv=False).min())
+    """Find the blocks that are open within ``radius`` (scene units), or as much of it as ``max_radius`` pixels cover."""
+    uniforms: dict[str, Uniform] = {
+        "u_block_texel": ViewValue("target_texel"),
+        "u_blocks": ViewValue("target_size"),
+        "u_radius": radius,
+        "u_max_radius": max_radius,
+        "u_pixel": ViewValue("pixel_smaller"),
+    }
+    samplers = {"u_bounds": BLOCK_BOUNDS, "u_spread": BLOCK_SPREAD}
+    draw = Fullscreen("open_blocks.frag", samplers, uniforms, defines={"BLOCK": BLOCK})
+    return Pass("open blocks", "cull", draw, {BLOCK_OPEN: Texture("r8", 1 / BLOCK)})
 
 
 def open_blocks_by_probe() -> Pass:
-    """Which blocks are taken for open because their probe and all around it are."""
-
-    def draw(stage: Stage) -> None:
-        stage.fullscreen("probed.frag", {}, {"u_probe": PROBE})
-
-    return Pass(OPEN, (PROBE,), {OPEN: Texture("r8", 1 / BLOCK)}, draw)
+    """Take the blocks for open whose probe and all around it are."""
+    draw = Fullscreen("open_blocks_by_probe.frag", {"u_probe": BLOCK_PROBE})
+    return Pass("open blocks", "cull", draw, {BLOCK_OPEN: Texture("r8", 1 / BLOCK)})
 
 
 def shade_mask(*, packed: bool) -> Pass:
-    """At full size: what there is to shade, and the visibility of the rest; see ``small.shrink`` for smaller sizes."""
-
-    def draw(stage: Stage) -> None:
-        samplers = {"u_z": "z", "u_open": OPEN}
-        stage.fullscreen("todo.frag", per_block(stage), samplers, defines={"PACKED": 1} if packed else {})
-
+    """Tell at full size what there is to shade, and give the visibility of the rest; ``downsample`` does so at smaller sizes."""
+    uniforms = {"u_per_block": PER_BLOCK}
+    samplers = {"u_z": DEPTH, "u_open": BLOCK_OPEN}
+    draw = Fullscreen("shade_mask.frag", samplers, uniforms, defines={"PACKED": 1} if packed else {})
     target, clear = (Texture("r32f"), (0.0,) * 4) if packed else (Texture("r8"), (1.0,) * 4)
-    return Pass("todo", ("z", OPEN), {UNTOUCHED: target}, draw, depth=SHADE_MASK, clear=clear)
+    return Pass("shade mask", "cull", draw, {VISIBILITY_UNSHADED: target}, depth=SHADE_MASK, clear=clear)
 
 
-def per_block(stage: Stage) -> dict[str, tuple[float, float]]:
-    """The uniform that finds the block of a pixel."""
-    w, h = stage.textures[OPEN].size
-    return {"u_per_block": (1 / (BLOCK * w), 1 / (BLOCK * h))}
+PER_BLOCK = ViewValue("resource_size", BLOCK, inverse=True, resource=BLOCK_OPEN)
+"""The uniform that finds the block of a pixel."""

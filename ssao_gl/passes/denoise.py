@@ -10,19 +10,66 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError, near_miss
-from ..gl.executor import Stage
 from ..graph.declare import DepthTest, Pass, Texture
+from ..graph.draws import Define, Fullscreen, Table, Uniform, ViewValue
+from ..graph.names import (
+    BENT_NORMAL,
+    NORMAL,
+    NORMAL_SMALL,
+    VISIBILITY,
+    VISIBILITY_BLUR_X,
+    VISIBILITY_RAW,
+    VISIBILITY_SMALL,
+)  # fmt: skip
 from ..settings import setting, validate
 from .bent_normals import extra_signal
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterTraits:
+    """What the pipeline may ask of a filter. The defaults suit one that filters visibility alone, at full size."""
+
+    scales: bool = False
+    """Whether it can run at a smaller size, on packed texels that keep depth for the way back."""
+    carries: frozenset[str] = frozenset()
+    """Outputs that it filters beside visibility: ``bent_normal``."""
+    tolerance: float = 0.35
+    """Distance off the tangent plane at which upsampling still counts a texel in full, texels."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterJob:
+    """What is asked of a filter. tile: width of the noise, texels. scale: pixels to a texel along each side.
+
+    test: which texels there are. bent: filter occluded directions, too.
+    """
+
+    tile: int = 4
+    scale: int = 1
+    test: DepthTest | None = None
+    bent: bool = False
+
+    @property
+    def result(self) -> str:
+        """The resource that it leaves."""
+        return VISIBILITY if self.scale == 1 else VISIBILITY_SMALL
+
+
 class Filter(Protocol):
-    """A filter: passes from the packed ``raw`` (and ``normal``) to ``visibility``."""
+    """A filter: passes from the packed ``visibility_raw`` (and normals) to :attr:`FilterJob.result`."""
 
     name: ClassVar[str]
 
-    def passes(self, tile: int = 4, cover: DepthTest | None = None) -> list[Pass]:
-        """At full size. ``tile``: width of the noise, pixels. ``cover``: which pixels there are."""
+    @property
+    def traits(self) -> FilterTraits: ...
+
+    @property
+    def radius(self) -> int | None:
+        """Half width in texels; None: half of the noise tile."""
+        ...
+
+    def passes(self, job: FilterJob) -> list[Pass]:
+        """Return its passes, in order."""
         ...
 
 
@@ -60,38 +107,31 @@ class Joint:
     def __post_init__(self) -> None:
         validate(self)
 
-    def passes(self, tile: int = 4, cover: DepthTest | None = None, *, bent: bool = False) -> list[Pass]:
-        names = ("raw", "blurred x", "visibility")
-        return [self._pass(axis, names[axis], names[axis + 1], tile, 1, cover, bent) for axis in (0, 1)]
+    @property
+    def traits(self) -> FilterTraits:
+        return FilterTraits(scales=True, carries=frozenset({BENT_NORMAL}), tolerance=self.tolerance)
 
-    def small_passes(self, tile: int, scale: int, test: DepthTest | None, *, bent: bool = False) -> list[Pass]:
-        """The same at a smaller size, to ``small visibility``, which keeps depth for the way back to full size."""
-        names = ("raw", "blurred x", "small visibility")
-        return [self._pass(axis, names[axis], names[axis + 1], tile, scale, test, bent) for axis in (0, 1)]
+    def passes(self, job: FilterJob) -> list[Pass]:
+        names = (VISIBILITY_RAW, VISIBILITY_BLUR_X, job.result)
+        return [self._pass(job, axis, names[axis], names[axis + 1]) for axis in (0, 1)]
 
-    def _pass(self, axis: int, source: str, result: str, tile: int, scale: int, test: DepthTest | None, bent: bool) -> Pass:
-        radius = self.radius or max(1, tile // 2)
+    def _pass(self, job: FilterJob, axis: int, source: str, result: str) -> Pass:
+        radius, scale = self.radius or max(1, job.tile // 2), job.scale
         weights = gaussian(radius, self.sigma) if self.sigma > 0 else matched(radius)
-        last = result == "visibility"
-        more = extra_signal(bent, source, result, scale)
-        samplers = {"u_packed": source, "u_normal": "normal" if scale == 1 else "small normal", **more.samplers}
-
-        def draw(stage: Stage) -> None:
-            texel, step = [0.0, 0.0], [0.0, 0.0]
-            texel[axis], step[axis] = 1 / stage.step.size[axis], scale / stage.view.size[axis]
-            uniforms = {
-                "u_next": tuple(texel),
-                "u_step": tuple(step),
-                "u_weights": weights,
-                "u_per_pixel": 1 / (self.tolerance * scale * stage.view.pixel),
-            }
-            defines = {"PACKED": 1, "RADIUS": radius, **({"LAST": 1} if last else {}), **more.defines}
-            stage.fullscreen("blur_joint.frag", uniforms, samplers, defines=defines)
-
+        last = result == VISIBILITY
+        more = extra_signal(job.bent, source, result, scale)
+        samplers = {"u_packed": source, "u_normal": NORMAL if scale == 1 else NORMAL_SMALL, **more.samplers}
+        uniforms: dict[str, Uniform] = {
+            "u_next": ViewValue("target_texel", axis=axis),
+            "u_step": ViewValue("target_step", axis=axis),
+            "u_weights": Table.of(weights),
+            "u_per_pixel": ViewValue("pixel", self.tolerance * scale, inverse=True),
+        }
+        defines: dict[str, Define] = {"PACKED": 1, "RADIUS": radius, **({"LAST": 1} if last else {}), **more.defines}
+        draw = Fullscreen("denoise_joint.frag", samplers, uniforms, defines=defines)
         target = Texture("r8") if last else Texture("r32f", 1 / scale)
-        clear = (1.0,) * 4 if last else (0.0,) * 4
         writes = {result: target, **more.writes}
-        return Pass(f"blur {'xy'[axis]}", tuple(samplers.values()), writes, draw, test=test, clear=clear)
+        return Pass(f"blur {'xy'[axis]}", "denoise", draw, writes, test=job.test, clear=((1.0 if last else 0.0),) * 4)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,8 +150,12 @@ class LectureBlur:
     def __post_init__(self) -> None:
         validate(self)
 
-    def passes(self, tile: int = 4, cover: DepthTest | None = None) -> list[Pass]:
-        return [_intensity_pass("blur", "raw", "visibility", self, (1, 1), cover)]
+    @property
+    def traits(self) -> FilterTraits:
+        return FilterTraits()
+
+    def passes(self, job: FilterJob) -> list[Pass]:
+        return [_intensity_pass("blur", VISIBILITY_RAW, VISIBILITY, self, (1, 1), job.test)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,32 +171,28 @@ class Separable:
     def __post_init__(self) -> None:
         validate(self)
 
-    def passes(self, tile: int = 4, cover: DepthTest | None = None) -> list[Pass]:
+    @property
+    def traits(self) -> FilterTraits:
+        return FilterTraits()
+
+    def passes(self, job: FilterJob) -> list[Pass]:
         return [
-            _intensity_pass("blur x", "raw", "blurred x", self, (1, 0), cover),
-            _intensity_pass("blur y", "blurred x", "visibility", self, (0, 1), cover),
+            _intensity_pass("blur x", VISIBILITY_RAW, VISIBILITY_BLUR_X, self, (1, 0), job.test),
+            _intensity_pass("blur y", VISIBILITY_BLUR_X, VISIBILITY, self, (0, 1), job.test),
         ]
 
 
 def _intensity_pass(
-    name: str, source: str, result: str, filter_named: LectureBlur | Separable, axes: tuple[int, int], cover: DepthTest | None
+    name: str, source: str, result: str, blur: LectureBlur | Separable, axes: tuple[int, int], test: DepthTest | None
 ) -> Pass:
-    weights = gaussian(filter_named.radius, filter_named.sigma_space)
-    last = result == "visibility"
-    defines = {
-        "PACKED": 1,
-        "WIDTH": axes[0] * filter_named.radius,
-        "HEIGHT": axes[1] * filter_named.radius,
-        "RADIUS": filter_named.radius,
-    }
-    uniforms = {"u_weights": weights, "u_range": 0.5 / filter_named.sigma_range**2}
-
-    def draw(stage: Stage) -> None:
-        every = {**defines, **({"LAST": 1} if last else {})}
-        stage.fullscreen("blur_intensity.frag", uniforms, {"u_packed": source}, defines=every)
-
+    last, radius = result == VISIBILITY, blur.radius
+    defines: dict[str, Define] = {"PACKED": 1, "WIDTH": axes[0] * radius, "HEIGHT": axes[1] * radius, "RADIUS": radius}
+    defines |= {"LAST": 1} if last else {}
+    weights = Table.of(gaussian(radius, blur.sigma_space))
+    uniforms: dict[str, Uniform] = {"u_weights": weights, "u_range": 0.5 / blur.sigma_range**2}
+    draw = Fullscreen("denoise_intensity.frag", {"u_packed": source}, uniforms, defines=defines)
     target, clear = (Texture("r8"), (1.0,) * 4) if last else (Texture("r32f"), (0.0,) * 4)
-    return Pass(name, (source,), {result: target}, draw, test=cover, clear=clear)
+    return Pass(name, "denoise", draw, {result: target}, test=test, clear=clear)
 
 
 FILTERS: Mapping[str, type[Joint] | type[LectureBlur] | type[Separable]] = {

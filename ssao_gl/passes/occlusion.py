@@ -2,81 +2,80 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
-from typing import Any
 
-from ..gl.executor import Stage
-from ..glsl.preprocess import Define
+from ..errors import SettingsError
 from ..graph.declare import DepthTest, Pass, Texture
+from ..graph.draws import Define, Fullscreen, Table, as_uniforms
+from ..graph.names import (
+    BENT_NORMAL,
+    DEPTH,
+    DEPTH_SMALL,
+    NORMAL,
+    NORMAL_SMALL,
+    PIXEL_DEPTH,
+    PIXEL_NORMAL,
+    VISIBILITY,
+    VISIBILITY_RAW,
+    VISIBILITY_UPSAMPLED,
+)  # fmt: skip
 from ..methods.base import Method
-from ..scene.projection import ViewConstants
 from .bent_normals import extra_signal
 
 PIXEL = {
-    False: {"u_pixel_z": "z", "u_pixel_normal": "normal"},
-    True: {"u_pixel_z": "small z", "u_pixel_normal": "small normal"},
+    False: {PIXEL_DEPTH: DEPTH, PIXEL_NORMAL: NORMAL},
+    True: {PIXEL_DEPTH: DEPTH_SMALL, PIXEL_NORMAL: NORMAL_SMALL},
 }
-"""Where methods that can be drawn at a smaller size find the pixel itself."""
+"""Whether occlusion is drawn at a smaller size -> where the pixel itself is found."""
+
+BACKGROUND = {True: (0.0,) * 4, False: (1.0,) * 4}
+"""What packed and final visibility hold where nothing is drawn."""
 
 
 def occlude(
-    method: Method, *, packed: bool, scale: int = 1, test: DepthTest | None = None, over: str | None = None, bent: bool = False
+    method: Method,
+    *,
+    packed: bool,
+    scale: int = 1,
+    test: DepthTest | None = None,
+    over: str | None = None,
+    bent: bool = False,
 ) -> Pass:
-    """The method itself. ``packed`` hands visibility and depth in one texel to a blur, else it is the final visibility.
+    """Draw the method. ``packed`` hands visibility and depth in one texel to a filter, else it is the final visibility.
 
-    ``scale`` above 1: at a smaller size, for the pixels that ``shrink`` chose. ``test``: which pixels need it.
+    ``scale`` above 1: at a smaller size, for the pixels that ``downsample`` chose. ``test``: which pixels need it.
     ``over``: what holds the others' visibility, to draw on top of. ``bent``: and bent normals.
     """
-    name, target = ("raw", Texture("r32f", 1 / scale)) if packed else ("visibility", Texture("r8"))
+    name, target = (VISIBILITY_RAW, Texture("r32f", 1 / scale)) if packed else (VISIBILITY, Texture("r8"))
     more = extra_signal(bent, None, name, scale)
-    writes = {name: target, **more.writes}
-    return _occlusion(method, method.name, writes, test, {name: over} if over else {}, more.defines)
+    defines: dict[str, Define] = {**({"PACKED": 1} if packed else {}), **({"SMALL": 1} if scale > 1 else {}), **more.defines}
+    draw = _draw(method, small=scale > 1, defines=defines)
+    writes, below = {name: target, **more.writes}, {name: over} if over else {}
+    return Pass(method.name, "occlusion", draw, writes, test=test, over=below, clear=BACKGROUND[packed])
 
 
-def refine_missed(method: Method, missed: str) -> Pass:
-    """The method again, at full size, over what ``upsample`` left: so few pixels are not filtered, so they get more slices."""
-    better = dataclasses.replace(method, slices=max(4, method.slices))  # type: ignore[type-var, attr-defined]
-    return _occlusion(
-        better, f"{method.name} refine", {"visibility": Texture("r8")}, DepthTest(missed), {"visibility": "upsampled"}
-    )
+def refine_missed(method: Method, mask: str) -> Pass:
+    """Draw the method's refined variant at full size over what ``upsample`` left: so few pixels are not filtered."""
+    refined = method.traits.refined
+    if refined is None:
+        raise SettingsError(f"{method.name}: has no refined variant")
+    below = {VISIBILITY: VISIBILITY_UPSAMPLED}
+    writes, test = {VISIBILITY: Texture("r8")}, DepthTest(mask)
+    return Pass(f"{method.name} refine", "occlusion", _draw(refined), writes, test=test, over=below, clear=BACKGROUND[False])
 
 
 def probe_blocks(method: Method, name: str, block: int) -> Pass:
-    """``name``: the method for the pixel in the middle of each block alone, by more slices instead of a filter."""
-    better = dataclasses.replace(method, slices=4, steps=6, tile=1)  # type: ignore[type-var]
-    return _occlusion(better, f"{method.name} probe", {name: Texture("r8", 1 / block)}, None, {}, {"PROBE": 1})
+    """Draw ``name``: the method's probe for the pixel in the middle of each block alone."""
+    probe = method.traits.probe
+    if probe is None:
+        raise SettingsError(f"{method.name}: has no probe")
+    return Pass(f"{method.name} probe", "occlusion", _draw(probe, defines={"PROBE": 1}), {name: Texture("r8", 1 / block)})
 
 
-def _occlusion(
-    method: Method,
-    name: str,
-    writes: Mapping[str, Texture],
-    test: DepthTest | None,
-    over: Mapping[str, str],
-    more: Mapping[str, Define] | None = None,
-) -> Pass:
-    more = more or {}
-    packed, probe_blocks = "raw" in writes, "PROBE" in more
-    small = not probe_blocks and next(iter(writes.values())).scale < 1
-    defines = {**method.defines(), **({"PACKED": 1} if packed else {}), **({"SMALL": 1} if small else {}), **more}
-    samplers = {**method.samplers, **(PIXEL[small] if hasattr(method, "scale") else {})}
-    lookups = {**method.lookups(), **(method.bent() if "BENT" in more else {})}  # type: ignore[attr-defined]
-    seen: list[tuple[ViewConstants, Mapping[str, Any]]] = []
-
-    def draw(stage: Stage) -> None:
-        if not seen or seen[0][0] is not stage.view:
-            seen[:] = [(stage.view, method.uniforms(stage.view))]
-        stage.fullscreen(method.shader, seen[0][1], samplers, defines=defines, lookups=lookups)
-
-    clear = (0.0,) * 4 if packed else (1.0,) * 4  # background
-    return Pass(name, tuple(samplers.values()), writes, draw, test=test, over=over, clear=None if probe_blocks else clear)
-
-
-def pack_visibility() -> Pass:
-    """Visibility ``given`` by the caller, and depth, to the ``raw`` that filters read."""
-
-    def draw(stage: Stage) -> None:
-        stage.fullscreen("pack.frag", {}, {"u_given": "given", "u_z": "z"}, defines={"PACKED": 1})
-
-    return Pass("pack", ("given", "z"), {"raw": Texture("r32f")}, draw)
+def _draw(method: Method, *, small: bool = False, defines: Mapping[str, Define] | None = None) -> Fullscreen:
+    """Return the draw of a method with its settings; these come first, so that passes overrule them."""
+    more = defines or {}
+    outputs = (BENT_NORMAL,) if "BENT" in more else ()
+    samplers = {uniform: PIXEL[small].get(resource, resource) for uniform, resource in method.samplers.items()}
+    tables = {uniform: Table.of(values) for uniform, values in method.tables(outputs).items()}
+    return Fullscreen(method.shader, samplers, as_uniforms(method.constants()), tables, {**method.defines(), **more})

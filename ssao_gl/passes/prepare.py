@@ -2,45 +2,45 @@
 
 from __future__ import annotations
 
-from ..gl.executor import Stage
 from ..graph.declare import Pass, Texture
+from ..graph.draws import Define, Fullscreen, Uniform, ViewValue
+from ..graph.names import DEPTH, DEPTH_OVER_FAR, GIVEN_DEPTH, GIVEN_NORMAL, GIVEN_VISIBILITY, NORMAL, SCENE_MASK, VISIBILITY_RAW
 
-COVER = "cover"
-"""Depth buffer that tells what is not background."""
+WINDOW_DEPTH: dict[str, Uniform] = {
+    "u_depth_far": ViewValue("window_depth_far"),
+    "u_depth_num": ViewValue("window_depth_num"),
+    "u_depth_den": ViewValue("window_depth_den"),
+}
 
 
-def linearize(*, window: bool, cover: bool) -> Pass:
-    """A caller's ``depth`` to linear ``z``; ``window`` depth is undone with the camera's projection. ``cover``: and its mask."""
-    defines = {**({"WINDOW_DEPTH": 1} if window else {}), **({"COVER": 1} if cover else {})}
+def linearize(*, window: bool, mask: bool) -> Pass:
+    """Turn a caller's depth into linear depth; ``window`` depth is undone with the camera's projection.
 
-    def draw(stage: Stage) -> None:
-        stage.fullscreen("linearize.frag", stage.view.depth_constants if window else {}, {"u_depth": "depth"}, defines=defines)
-
-    return Pass("linearize", ("depth",), {"z": Texture("r32f")}, draw, depth=COVER if cover else None)
+    ``mask``: write the mask of what is not background, too.
+    """
+    defines: dict[str, Define] = {**({"WINDOW_DEPTH": 1} if window else {}), **({"COVER": 1} if mask else {})}
+    draw = Fullscreen("linearize.frag", {"u_depth": GIVEN_DEPTH}, WINDOW_DEPTH if window else {}, defines=defines)
+    return Pass("linearize", "prepare", draw, {DEPTH: Texture("r32f")}, depth=SCENE_MASK if mask else None)
 
 
 def reconstruct_normals() -> Pass:
-    """View-space ``normal`` rebuilt from ``z``, each side of an edge from its own surface."""
-
-    def draw(stage: Stage) -> None:
-        stage.fullscreen("normals.frag", {}, {"u_z": "z"})
-
-    return Pass("normals", ("z",), {"normal": Texture("rg16f")}, draw)
+    """Rebuild view-space normals from linear depth, each side of an edge from its own surface."""
+    return Pass("normals", "prepare", Fullscreen("normals.frag", {"u_z": DEPTH}), {NORMAL: Texture("rg16f")})
 
 
 def encode_normals() -> Pass:
-    """A caller's view-space ``normal_xyz`` to the encoding of the graph."""
-
-    def draw(stage: Stage) -> None:
-        stage.fullscreen("encode_normals.frag", {}, {"u_normal_xyz": "normal_xyz"})
-
-    return Pass("encode normals", ("normal_xyz",), {"normal": Texture("rg16f")}, draw)
+    """Encode a caller's view-space normals as the graph holds them."""
+    draw = Fullscreen("encode_normals.frag", {"u_normal_xyz": GIVEN_NORMAL})
+    return Pass("encode normals", "prepare", draw, {NORMAL: Texture("rg16f")})
 
 
 def depth_over_far() -> Pass:
-    """Depth as the lecture wants it: ``z / far``, 1 on background."""
+    """Divide depth by that of the far plane, as the lecture wants it; 1 on background."""
+    draw = Fullscreen("depth_over_far.frag", {"u_z": DEPTH}, {"u_far": ViewValue("far")})
+    return Pass("depth over far", "prepare", draw, {DEPTH_OVER_FAR: Texture("r32f")})
 
-    def draw(stage: Stage) -> None:
-        stage.fullscreen("over_far.frag", {"u_far": stage.view.far}, {"u_z": "z"})
 
-    return Pass("z over far", ("z",), {"z_over_far": Texture("r32f")}, draw)
+def pack_visibility() -> Pass:
+    """Pack a caller's visibility and the scene's depth into the texels that filters read."""
+    draw = Fullscreen("pack_visibility.frag", {"u_given": GIVEN_VISIBILITY, "u_z": DEPTH}, defines={"PACKED": 1})
+    return Pass("pack", "prepare", draw, {VISIBILITY_RAW: Texture("r32f")})

@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
-from ..gl.executor import Stage
 from ..graph.declare import DepthTest, Pass, Texture
-from . import culling
+from ..graph.draws import Define, Fullscreen, Uniform, ViewValue
+from ..graph.names import (
+    BLOCK_OPEN,
+    DEPTH,
+    DEPTH_SMALL,
+    NORMAL,
+    NORMAL_SMALL,
+    REFINE_MASK,
+    SHADE_MASK,
+    VISIBILITY,
+    VISIBILITY_UNSHADED,
+    VISIBILITY_UPSAMPLED,
+)  # fmt: skip
 from .bent_normals import extra_signal
-
-REFINE_MASK = "missed"
-"""Depth buffer of the image: 0 where no small texel knows the pixel's surface."""
+from .culling import PER_BLOCK
 
 EDGE = 30.0
 """Depths that differ by more, in the size of a pixel, are of two surfaces, which take turns. Elsewhere the same pixel is kept
@@ -16,43 +25,40 @@ everywhere: an even grid is what interpolation is exact on."""
 
 
 def downsample(scale: int, *, open_blocks: bool) -> Pass:
-    """``small z`` and ``small normal``: one pixel of each ``scale`` x ``scale``, and which of them there is to shade."""
-    defines = {"SCALE": scale, "PIXELS": scale * scale, "TARGETS": 2}
-    samplers = {"u_z": "z", "u_normal": "normal"}
-    writes = {"small z": Texture("r32f", 1 / scale), "small normal": Texture("rg16f", 1 / scale)}
+    """Keep depth and normal of one pixel of each ``scale`` x ``scale``, and tell which of them there is to shade."""
+    defines: dict[str, Define] = {"SCALE": scale, "PIXELS": scale * scale, "TARGETS": 2}
+    samplers = {"u_z": DEPTH, "u_normal": NORMAL}
+    uniforms: dict[str, Uniform] = {"u_edge": ViewValue("pixel", EDGE)}
+    writes = {DEPTH_SMALL: Texture("r32f", 1 / scale), NORMAL_SMALL: Texture("rg16f", 1 / scale)}
     if open_blocks:
         defines |= {"OPEN": 1, "PACKED": 1, "TARGETS": 3}
-        samplers |= {"u_open": culling.OPEN}
-        writes |= {culling.UNTOUCHED: Texture("r32f", 1 / scale)}
-
-    def draw(stage: Stage) -> None:
-        uniforms = {"u_edge": EDGE * stage.view.pixel, **(culling.per_block(stage) if open_blocks else {})}
-        stage.fullscreen("shrink.frag", uniforms, samplers, defines=defines)
-
-    return Pass("shrink", tuple(samplers.values()), writes, draw, depth=culling.SHADE_MASK, clear=(0.0,) * 4)
+        samplers |= {"u_open": BLOCK_OPEN}
+        uniforms |= {"u_per_block": PER_BLOCK}
+        writes |= {VISIBILITY_UNSHADED: Texture("r32f", 1 / scale)}
+    draw = Fullscreen("downsample.frag", samplers, uniforms, defines=defines)
+    return Pass("downsample", "prepare", draw, writes, depth=SHADE_MASK, clear=(0.0,) * 4)
 
 
-def upsample(source: str, scale: int, tolerance: float, cover: DepthTest | None, least: float, *, bent: bool = False) -> Pass:
-    """``visibility`` from ``source`` (packed, small); texels count in full up to ``tolerance`` of theirs off the tangent plane.
+def upsample(
+    source: str, scale: int, tolerance: float, mask: DepthTest | None, refine_below: float, *, bent: bool = False
+) -> Pass:
+    """Bring ``source`` (packed, small) to the size of the image.
 
-    ``least`` above 0: ``upsampled`` instead, with a mask of the pixels whose texels together weigh less.
+    Texels count in full up to ``tolerance`` of theirs off the tangent plane. ``refine_below`` above 0: leave a mask of the
+    pixels whose texels together weigh less, to be drawn again.
     """
-    result = "upsampled" if least else "visibility"
+    result = VISIBILITY_UPSAMPLED if refine_below else VISIBILITY
     more = extra_signal(bent, source, result)
-    defines = {"PACKED": 1, **({"REFINE": 1} if least else {}), **more.defines}
-    samplers = {"u_packed": source, "u_z": "z", "u_normal": "normal", "u_small_normal": "small normal", **more.samplers}
-
-    def draw(stage: Stage) -> None:
-        w, h = Texture("r32f", 1 / scale).size(stage.view.size)
-        uniforms = {
-            "u_small_texel": (1 / w, 1 / h),
-            "u_small_scale": float(scale),
-            "u_per_pixel": 1 / (tolerance * scale * stage.view.pixel),
-            **({"u_least": least} if least else {}),
-        }
-        stage.fullscreen("upsample.frag", uniforms, samplers, defines=defines)
-
-    reads, writes = tuple(samplers.values()), {result: Texture("r8"), **more.writes}
-    if least:  # a pass that writes depth cannot be tested against another
-        return Pass("upsample", reads, writes, draw, depth=REFINE_MASK, clear=(1.0,) * 4)
-    return Pass("upsample", reads, writes, draw, test=cover, clear=(1.0,) * 4)
+    defines: dict[str, Define] = {"PACKED": 1, **({"REFINE": 1} if refine_below else {}), **more.defines}
+    samplers = {"u_packed": source, "u_z": DEPTH, "u_normal": NORMAL, "u_small_normal": NORMAL_SMALL, **more.samplers}
+    uniforms: dict[str, Uniform] = {
+        "u_small_texel": ViewValue("resource_size", inverse=True, resource=source),
+        "u_small_scale": float(scale),
+        "u_per_pixel": ViewValue("pixel", tolerance * scale, inverse=True),
+        **({"u_least": refine_below} if refine_below else {}),
+    }
+    draw = Fullscreen("upsample.frag", samplers, uniforms, defines=defines)
+    writes = {result: Texture("r8"), **more.writes}
+    if refine_below:  # a pass that writes depth cannot be tested against another
+        return Pass("upsample", "upsample", draw, writes, depth=REFINE_MASK, clear=(1.0,) * 4)
+    return Pass("upsample", "upsample", draw, writes, test=mask, clear=(1.0,) * 4)

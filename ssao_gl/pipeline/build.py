@@ -2,111 +2,66 @@
 
 from __future__ import annotations
 
-import dataclasses
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ..errors import SettingsError
 from ..graph.declare import DepthTest, Pass
+from ..graph.draws import Fullscreen
 from ..graph.frame_graph import compile
+from ..graph.names import (
+    BENT_NORMAL,
+    COLOR,
+    GIVEN_DEPTH,
+    GIVEN_NORMAL,
+    GIVEN_VISIBILITY,
+    IMAGE,
+    REFINE_MASK,
+    SCENE_MASK,
+    SHADE_MASK,
+    VISIBILITY,
+    VISIBILITY_RAW,
+    VISIBILITY_UNSHADED,
+)  # fmt: skip
 from ..graph.plan import Plan
-from ..passes import composite, culling, occlusion, prepare, resolution
-from ..passes.bent_normals import BENT
-from ..passes.denoise import Filter, Joint
-from ..scene.projection import Size
+from ..methods.traits import CAMERAS
+from ..passes.composite import composite
+from ..passes.culling import shade_mask
+from ..passes.denoise import Filter, FilterJob, FilterTraits
+from ..passes.gbuffer import gbuffer, layer_behind
+from ..passes.occlusion import occlude, refine_missed
+from ..passes.prepare import depth_over_far, encode_normals, linearize, pack_visibility, reconstruct_normals
+from ..passes.resolution import downsample, upsample
+from ..scene.projection import Size, ViewConstants
 from .culling import CullingPlan, plan_culling
 from .outputs import aov_resources
-from .settings import PRECISIONS, Settings, Shading, small_scale
+from .settings import PRECISIONS, Settings, Shading, drawn_scale
 
 WINDOW_DEPTH, EYE_DEPTH = "window", "eye"
 
 
-def _after_gbuffer(settings: Settings, left: CullingPlan, *, bent: bool) -> list[Pass]:
-    """All passes to ``visibility``, and to bent normals."""
-    if bent:
-        _check_bent(settings)
-    method, blur, scale, cover = settings.method, settings.blur, small_scale(settings), left.cover
-    tile = getattr(method, "tile", 4)
-    over = culling.UNTOUCHED if left.blocks else None
-    if scale == 1:
-        packed = blur is not None
-        return [
-            prepare.depth_over_far(),
-            *left.blocks,
-            *([culling.shade_mask(packed=packed)] if over else []),
-            occlusion.occlude(
-                method, packed=packed, test=DepthTest(culling.SHADE_MASK) if over else cover, over=over, bent=bent
-            ),
-            *_filters(blur, tile, cover, bent),
-        ]
-    least = getattr(method, "refine", 0.0)
-    tolerance = blur.tolerance if isinstance(blur, Joint) else Joint().tolerance
-    todo, seen = (
-        DepthTest(culling.SHADE_MASK, equal=equal) if left.background or over else None for equal in (False, over is not None)
-    )
-    return [
-        *left.blocks,
-        resolution.downsample(scale, open_blocks=over is not None),
-        occlusion.occlude(method, packed=True, scale=scale, test=todo, over=over, bent=bent),
-        *(blur.small_passes(tile, scale, seen if left.background else None, bent=bent) if isinstance(blur, Joint) else []),
-        resolution.upsample("small visibility" if blur else "raw", scale, tolerance, cover, least, bent=bent),
-        *([occlusion.refine_missed(method, resolution.REFINE_MASK)] if least else []),
-    ]
-
-
-def _filters(blur: Filter | None, tile: int, cover: DepthTest | None, bent: bool) -> list[Pass]:
-    """The filter's passes at full size."""
-    if isinstance(blur, Joint):
-        return blur.passes(tile, cover, bent=bent)
-    return blur.passes(tile, cover) if blur else []
-
-
-def _check_bent(settings: Settings) -> None:
-    """Raises SettingsError where bent normals cannot be had."""
-    if not hasattr(settings.method, "bent"):
-        raise SettingsError(f"bent: {settings.method.name} does not know which directions are open; use the method bitmask")
-    if settings.blur is not None and not isinstance(settings.blur, Joint):
-        raise SettingsError(f"bent: the filter {settings.blur.name} is for visibility alone; use joint, or none")
-
-
-def _at(precision: str, passes: Sequence[Pass]) -> list[Pass]:
-    """The passes, with shaders of that precision."""
-    defines = PRECISIONS[precision]
-
-    def precise(task: Pass) -> Pass:
-        return dataclasses.replace(task, draw=lambda stage: task.draw(dataclasses.replace(stage, defines=defines)))
-
-    return [precise(task) for task in passes] if defines else list(passes)
-
-
-def _notes(settings: Settings, left: CullingPlan) -> dict[str, str]:
-    return ({} if settings.blur else {"blur": "switched off"}) | ({"open blocks": left.why} if left.why else {})
-
-
 def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",), *, triangles: int | None = None) -> Plan:
-    """The plan that draws a scene. ``triangles``: how many it has, if it surrounds the camera; None if not."""
-    from ..passes.gbuffer import gbuffer, layer_behind
+    """Return the plan that draws a scene. ``triangles``: how many it has, if it surrounds the camera; None if not.
 
-    flat = settings.normals == "geometric"
-    left = plan_culling(settings, DepthTest(prepare.COVER, far=True), size, triangles, flat_normals=flat, bent="bent" in aovs)
+    Raises SettingsError when the method's radius is not settled, or cannot give what is asked for.
+    """
+    flat, bent = settings.normals == "geometric", "bent" in aovs
+    culling = plan_culling(settings, DepthTest(SCENE_MASK, far=True), size, triangles, flat_normals=flat, bent=bent)
+    background = settings.shading.background_rgb
     passes = [
-        gbuffer(settings.shading.background_rgb, geometric=settings.normals == "geometric"),
+        gbuffer(background, geometric=flat),
         layer_behind(),
-        *_after_gbuffer(settings, left, bent="bent" in aovs),
-        composite.composite(settings.shading.ambient, settings.shading.background_rgb, direct=True),
+        *_visibility(settings, culling, bent=bent),
+        composite(settings.shading.ambient, background, direct=True),
     ]
-    return compile(_at(settings.precision, passes), size, aov_resources(aovs), notes=_notes(settings, left))
+    return compile(_at(settings.precision, passes), size, aov_resources(aovs), notes=_notes(settings, culling))
 
 
 def plan_filter(blur: Filter, size: Size) -> Plan:
-    """The plan that filters a visibility from elsewhere, the input ``given``, by the depth and normals of a scene."""
-    from ..passes.gbuffer import gbuffer
-
-    return compile(
-        [gbuffer(Shading().background_rgb, geometric=True), occlusion.pack_visibility(), *blur.passes()],
-        size,
-        ["visibility"],
-        ["given"],
-    )
+    """Return the plan that filters a visibility from elsewhere by the depth and normals of a scene."""
+    passes = [gbuffer(Shading().background_rgb, geometric=True), pack_visibility(), *blur.passes(FilterJob())]
+    return compile(passes, size, [VISIBILITY], [GIVEN_VISIBILITY])
 
 
 def plan_apply(
@@ -115,22 +70,105 @@ def plan_apply(
     *,
     depth: str = WINDOW_DEPTH,
     normals: bool = False,
-    outputs: Sequence[str] = ("visibility",),
+    outputs: Sequence[str] = (VISIBILITY,),
 ) -> Plan:
-    """The plan over a caller's depth (and normals, and colour)."""
-    if "z2" in settings.method.samplers.values():
+    """Return the plan over a caller's depth (and normals, and colour). ``outputs``: resources.
+
+    Raises SettingsError for methods that need a scene, and for an unknown kind of depth.
+    """
+    if "second_layer" in settings.method.traits.inputs:
         raise SettingsError(f"{settings.method.name}: two layers need a scene to draw; a depth buffer has one")
+    if settings.method.traits.needs_scene:
+        raise SettingsError(f"{settings.method.name}: needs a scene to draw; use render, or another method")
     if depth not in (WINDOW_DEPTH, EYE_DEPTH):
         raise SettingsError(f"depth kind '{depth}'; must be 'eye' (distance along the view axis) or 'window' (0 to 1)")
+    bent = BENT_NORMAL in outputs
     # A depth buffer of the image costs more memory than its one use costs time where occlusion is drawn at a smaller size.
-    cover = DepthTest(prepare.COVER) if small_scale(settings) == 1 else None
-    left = plan_culling(settings, cover, size, None, flat_normals=not normals, bent=BENT in outputs)
-    notes = _notes(settings, left) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
+    mask = DepthTest(SCENE_MASK) if drawn_scale(settings) == 1 else None
+    culling = plan_culling(settings, mask, size, None, flat_normals=not normals, bent=bent)
+    notes = _notes(settings, culling) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
     passes = [
-        prepare.linearize(window=depth == WINDOW_DEPTH, cover=left.cover is not None),
-        prepare.encode_normals() if normals else prepare.reconstruct_normals(),
-        *_after_gbuffer(settings, left, bent=BENT in outputs),
-        composite.composite(settings.shading.ambient, (0.0, 0.0, 0.0), direct=False),
+        linearize(window=depth == WINDOW_DEPTH, mask=culling.mask is not None),
+        encode_normals() if normals else reconstruct_normals(),
+        *_visibility(settings, culling, bent=bent),
+        composite(settings.shading.ambient, (0.0, 0.0, 0.0), direct=False),
     ]
-    inputs = ["depth", *(["normal_xyz"] if normals else []), *(["color"] if "image" in outputs else [])]
+    inputs = [GIVEN_DEPTH, *([GIVEN_NORMAL] if normals else []), *([COLOR] if IMAGE in outputs else [])]
     return compile(_at(settings.precision, passes), size, list(outputs), inputs, notes)
+
+
+def check_camera(settings: Settings, view: ViewConstants) -> None:
+    """Raise SettingsError for a camera that the method is not defined for."""
+    method = settings.method
+    has = {"perspective": view.pinhole, "far plane": math.isfinite(view.far)}
+    for need in CAMERAS:
+        if need in method.traits.cameras and not has[need]:
+            raise SettingsError(f"{method.name}: {CAMERAS[need]}")
+
+
+def _visibility(settings: Settings, culling: CullingPlan, *, bent: bool) -> list[Pass]:
+    """Return all passes from depth and normals to visibility, and to bent normals."""
+    if bent:
+        _check_bent(settings)
+    scale = drawn_scale(settings)
+    if scale == 1:
+        return _at_full_size(settings, culling, bent=bent)
+    return _at_smaller_size(settings, culling, scale, bent=bent)
+
+
+def _at_full_size(settings: Settings, culling: CullingPlan, *, bent: bool) -> list[Pass]:
+    method, blur, mask = settings.method, settings.blur, culling.mask
+    packed = blur is not None
+    unshaded = VISIBILITY_UNSHADED if culling.blocks else None
+    test = DepthTest(SHADE_MASK) if unshaded else mask
+    job = FilterJob(tile=method.traits.noise_tile, test=mask, bent=bent)
+    return [
+        depth_over_far(),
+        *culling.blocks,
+        *([shade_mask(packed=packed)] if unshaded else []),
+        occlude(method, packed=packed, test=test, over=unshaded, bent=bent),
+        *(blur.passes(job) if blur else []),
+    ]
+
+
+def _at_smaller_size(settings: Settings, culling: CullingPlan, scale: int, *, bent: bool) -> list[Pass]:
+    method, blur = settings.method, settings.blur
+    unshaded = VISIBILITY_UNSHADED if culling.blocks else None
+    masked = culling.background or unshaded is not None
+    shaded = DepthTest(SHADE_MASK) if masked else None
+    seen = DepthTest(SHADE_MASK, equal=unshaded is not None) if culling.background else None
+    job = FilterJob(tile=method.traits.noise_tile, scale=scale, test=seen, bent=bent)
+    tolerance = (blur.traits if blur else FilterTraits()).tolerance
+    refine_below = method.traits.refine_below
+    return [
+        *culling.blocks,
+        downsample(scale, open_blocks=unshaded is not None),
+        occlude(method, packed=True, scale=scale, test=shaded, over=unshaded, bent=bent),
+        *(blur.passes(job) if blur else []),
+        upsample(job.result if blur else VISIBILITY_RAW, scale, tolerance, culling.mask, refine_below, bent=bent),
+        *([refine_missed(method, REFINE_MASK)] if refine_below else []),
+    ]
+
+
+def _check_bent(settings: Settings) -> None:
+    """Raise SettingsError where bent normals cannot be had."""
+    if BENT_NORMAL not in settings.method.traits.outputs:
+        raise SettingsError(f"bent: {settings.method.name} does not know which directions are open; use the method bitmask")
+    if settings.blur is not None and BENT_NORMAL not in settings.blur.traits.carries:
+        raise SettingsError(f"bent: the filter {settings.blur.name} is for visibility alone; use joint, or none")
+
+
+def _at(precision: str, passes: Sequence[Pass]) -> list[Pass]:
+    """Return the passes, with full-screen shaders of that precision; scenes are always drawn in the high one."""
+
+    def precise(task: Pass) -> Pass:
+        if not isinstance(task.draw, Fullscreen):
+            return task
+        return replace(task, draw=replace(task.draw, defines={**PRECISIONS[precision], **task.draw.defines}))
+
+    return [precise(task) for task in passes]
+
+
+def _notes(settings: Settings, culling: CullingPlan) -> dict[str, str]:
+    """Return reasons for what is not in the graph at all, by the names of passes."""
+    return ({} if settings.blur else {"blur": "switched off"}) | ({"open blocks": culling.why} if culling.why else {})

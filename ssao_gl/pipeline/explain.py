@@ -1,6 +1,6 @@
-"""What is left out of a view, by which rules and why, and the memory that saves. See ``ssao_gl.pipeline.CULLING_RULES``.
+"""What is left out of a view, by which rules and why, and the memory that saves. See :data:`.settings.CULLING_RULES`.
 
-:mod:`ssao_gl.savings` measures what the rules save in time, and what they change.
+``ssao_gl.experiment.culling_savings`` measures what the rules save in time, and what they change.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import SettingsError
-from ..graph.declare import BYTES, DEPTH
+from ..graph.declare import BYTES, DEPTH_FORMAT
+from ..graph.names import IMAGE
 from ..graph.plan import Plan
-from ..passes.culling import OPEN
 from ..scene.projection import Size
 from .build import plan_apply
 from .frame_setup import FrameSetup
@@ -53,14 +53,17 @@ class PlanMemory:
 def rule_statuses(made: FrameSetup, plan: Plan) -> list[RuleStatus]:
     """Every rule, in force or not and why, in a view that ``plan`` draws."""
     method, keep = made.settings.method, made.settings.keep
-    adaptive = getattr(method, "adaptive", False) and "adaptive" not in keep
-    asked = f"it is asked for with {method.name}.adaptive=true" if hasattr(method, "adaptive") else f"{method.name} cannot"
+    traits = method.traits
+    adaptive = traits.probe is not None and "adaptive" not in keep
+    asked = (
+        f"it is asked for with {method.name}.{traits.probe_setting}=true" if traits.probe_setting else f"{method.name} cannot"
+    )
     why = {
         "background": "",
-        "open": "the adaptive rule looks for blocks" if adaptive else plan.culled.get(OPEN, ""),
+        "open": "the adaptive rule looks for blocks" if adaptive else plan.culled.get("open blocks", ""),
         "adaptive": "" if adaptive else asked,
     }
-    if not any({"raw", "visibility"} & set(step.writes) for step in plan.steps):
+    if not any(step.task.role == "occlusion" for step in plan.steps):
         why = dict.fromkeys(CULLING_RULES, "no occlusion is drawn")
     why |= dict.fromkeys(keep, "switched off")
     return [RuleStatus(name, what, why[name], exact=name != "adaptive") for name, what in CULLING_RULES.items()]
@@ -70,14 +73,14 @@ def plan_memory(settings: Settings, size: Size, plan: Plan) -> PlanMemory:
     """What ``plan`` takes and saves. ``size``: of the image, without what is drawn around it."""
     own = {plan.where[name] for name in plan.outputs}
     for step in plan.steps:
-        if step.task.name == "gbuffer":
+        if step.task.role == "gbuffer":
             own |= {*step.slots, *([] if step.depth_slot is None else [step.depth_slot])}
     beyond = sum(slot.bytes for index, slot in enumerate(plan.slots) if index not in own)
     try:
-        effect = plan_apply(settings, size, outputs=("image",)).bytes - BYTES["rgba8"] * size[0] * size[1]
+        effect = plan_apply(settings, size, outputs=(IMAGE,)).bytes - BYTES["rgba8"] * size[0] * size[1]
     except SettingsError:
         effect = None
-    return PlanMemory(plan.bytes, plan.unshared - plan.bytes, plan.saved, beyond, effect)
+    return PlanMemory(plan.bytes, plan.unaliased_bytes - plan.bytes, plan.saved, beyond, effect)
 
 
 def resource_table(plan: Plan) -> list[dict[str, Any]]:
@@ -85,7 +88,7 @@ def resource_table(plan: Plan) -> list[dict[str, Any]]:
     found = []
     for step in plan.steps:
         targets = [(name, plan.slots[slot].format, slot) for name, slot in zip(step.writes, step.slots, strict=True)]
-        targets += [(step.task.depth, DEPTH, step.depth_slot)] if step.task.depth and step.depth_slot is not None else []
+        targets += [(step.task.depth, DEPTH_FORMAT, step.depth_slot)] if step.task.depth and step.depth_slot is not None else []
         for name, format_, slot in targets:
             taken = plan.slots[slot].bytes
             row = {

@@ -12,35 +12,42 @@ from ..scene.camera import Camera, CropLens
 from ..scene.model import Scene
 from ..scene.projection import Size, ViewConstants
 from ..scene.screen_bounds import screen_bounds
-from .build import plan_render
+from .build import check_camera, plan_render
 from .settings import GUARD_STEP, Settings, guard_band
 
 
 @dataclass(frozen=True, slots=True)
 class FrameSetup:
-    """settings: with a radius. outer: size of all that is drawn, the guard included, which ``view`` shows. triangles: of a scene
-    that surrounds the camera, else None. drawn: which part of it is drawn."""
+    """A framed view.
+
+    settings: with a radius. outer: size of all that is drawn, the guard band included, which ``view`` shows. triangles: of a
+    scene that surrounds the camera, else None. region: which part of it is drawn.
+    """
 
     settings: Settings
     outer: Size
     triangles: int | None
     view: ViewConstants
-    drawn: DrawRegion
+    region: DrawRegion
 
     def plan(self, aovs: Sequence[str]) -> Plan:
-        """The plan that a renderer draws it by."""
+        """Return the plan that a renderer draws it by."""
         return plan_render(self.settings, self.outer, aovs, triangles=self.triangles)
 
 
 def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, limit: int) -> FrameSetup:
-    """Of an image of ``size`` pixels; ``limit``: largest side of a texture."""
+    """Frame an image of ``size`` pixels. ``limit``: largest side of a texture.
+
+    Raises SettingsError for a camera that the method is not defined for.
+    """
     settings = settings.with_radius(camera.ao_radius or scene.default_radius())
     (w, h), room = size, (limit - max(size)) // 2 // GUARD_STEP * GUARD_STEP
-    border = max(0, min(guard_band(settings, camera, size), room))
+    height = camera.lens.whole[1] if isinstance(camera.lens, CropLens) else h
+    border = max(0, min(guard_band(settings.method, height), room))
     outer = w + 2 * border, h + 2 * border
     wide = dataclasses.replace(camera, lens=CropLens(camera.lens, size, (-border, -border))) if border else camera
     view = wide.view(outer)
+    check_camera(settings, view)
     covered = screen_bounds(scene.bounds, camera, view)
-    inside = (border, border, w, h) if border else None
-    drawn = DrawRegion(inside=inside, covered=None if "background" in settings.keep else covered)
-    return FrameSetup(settings, outer, None if covered else scene.triangles, view, drawn)
+    region = DrawRegion((border, border, w, h) if border else None, None if "background" in settings.keep else covered)
+    return FrameSetup(settings, outer, None if covered else scene.triangles, view, region)

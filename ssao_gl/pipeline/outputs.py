@@ -5,28 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ..errors import SettingsError, near_miss
-from ..passes.bent_normals import BENT
-
-AOVS = ("image", "visibility", "depth", "normal", "bent", "color")
-"""What a picture can hold: shaded image, visibility, linear depth, view-space normals, mean open directions, base colour."""
+from ..graph.names import BENT_NORMAL, COLOR, DEPTH, IMAGE, SHADING_NORMAL, VISIBILITY
 
 RESOURCES: Mapping[str, str] = {
-    "image": "image",
-    "visibility": "visibility",
-    "depth": "z",
-    "normal": "shading_normal",
-    "bent": BENT,
-    "color": "color",
+    "image": IMAGE,
+    "visibility": VISIBILITY,
+    "depth": DEPTH,
+    "normal": SHADING_NORMAL,
+    "bent": BENT_NORMAL,
+    "color": COLOR,
 }
-"""AOV -> resource of the graph."""
+"""AOV -> resource of the graph: shaded image, visibility, linear depth, view-space normals, mean open directions, base colour."""
+
+AOVS = tuple(RESOURCES)
+"""What a picture can hold."""
 
 
 def aov_resources(aovs: Sequence[str]) -> list[str]:
-    """Resource names of some AOVs. Raises SettingsError for an unknown one."""
+    """Return the resources of some AOVs. Raises SettingsError for an unknown one."""
     for name in aovs:
         if name not in AOVS:
             raise SettingsError(f"unknown AOV '{name}'; there are {', '.join(AOVS)}.{near_miss(name, AOVS)}")
     wanted = [RESOURCES[name] for name in aovs]
     # Directions are zero on background, which depth tells. Bent normals are drawn beside visibility.
-    more = [*(["z"] if {"normal", "bent"} & set(aovs) else []), *(["visibility"] if "bent" in aovs else [])]
+    more = [*([DEPTH] if {"normal", "bent"} & set(aovs) else []), *([VISIBILITY] if "bent" in aovs else [])]
     return list(dict.fromkeys([*wanted, *more]))

@@ -15,8 +15,6 @@ from ..methods.base import Method
 from ..methods.bitmask import Bitmask
 from ..methods.registry import method
 from ..passes.denoise import Filter, Joint
-from ..scene.camera import Camera, CropLens
-from ..scene.projection import Size
 from ..settings import as_table, setting, validate
 
 GUARD_STEP = 16
@@ -105,19 +103,17 @@ def as_method(value: Method | str | None) -> Method:
     return method(value) if isinstance(value, str) else value
 
 
-def small_scale(settings: Settings) -> int:
-    """How many pixels of the image along each side one stands for that occlusion is drawn for.
+def drawn_scale(settings: Settings) -> int:
+    """Return how many pixels of the image along each side one stands for that occlusion is drawn for.
 
-    1 for methods that cannot be drawn smaller, and under filters that work at full size alone.
+    1 under filters that work at full size alone.
     """
-    scale: int = getattr(settings.method, "scale", 1)
-    return scale if settings.blur is None or isinstance(settings.blur, Joint) else 1
+    return settings.method.traits.scale if settings.blur is None or settings.blur.traits.scales else 1
 
 
-def guard_band(settings: Settings, camera: Camera, size: Size) -> int:
-    """Pixels that a renderer draws around the image on each side, so that taps see what lies beside.
+def guard_band(method: Method, height: int) -> int:
+    """Return the pixels that are drawn around an image of that height on each side, so that taps see what lies beside.
 
     A multiple of ``GUARD_STEP``, so that noise and smaller images keep their places.
     """
-    height = camera.lens.whole[1] if isinstance(camera.lens, CropLens) else size[1]
-    return math.ceil(getattr(settings.method, "guard", 0.0) * height / GUARD_STEP) * GUARD_STEP
+    return math.ceil(method.traits.guard_band * height / GUARD_STEP) * GUARD_STEP

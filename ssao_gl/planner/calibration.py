@@ -87,8 +87,10 @@ def probe(renderer: Renderer) -> dict[str, Rates]:
             settings = Settings(method=family.candidate(taps).made(radius))
             ms = times(renderer.render(scene, camera, size, settings, aovs=aovs, timed=ROUNDS).report["passes"], clock(ctx))
             made = frame_setup(scene, camera, size, settings, ctx.max_size)
-            for task, one in PlannedFrame(made.plan(aovs), made.drawn, family.method, taps).works(covered).items():
-                if task not in DRAWN:
+            plan = made.plan(aovs)
+            scene_passes = {step.task.name for step in plan.steps if step.task.role in DRAWN}
+            for task, one in PlannedFrame(plan, made.region, family.method, taps).works(covered).items():
+                if task not in scene_passes:
                     alike[family.name][task] = _alike(task, family)
                     measured.setdefault(_alike(task, family), []).append((one, ms[task]))
     rates = {key: fitted(runs) for key, runs in measured.items()}

@@ -9,11 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..graph.declare import Pass
+from ..graph.draws import Fullscreen
 from ..graph.plan import Plan, PlannedPass
-from ..graph.regions import DrawRegion, drawn_rect
+from ..graph.regions import DrawRegion
 
-DRAWN = ("gbuffer", "layer behind")
-"""Passes that draw the scene: their cost goes by its triangles too."""
+DRAWN = ("gbuffer", "layer")
+"""Roles of passes that draw the scene: their cost goes by its triangles too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,17 +50,17 @@ class PlannedFrame:
     """How a candidate draws a view: its plan, which part of the frame is drawn, its method and how many taps that makes."""
 
     plan: Plan
-    drawn: DrawRegion
+    region: DrawRegion
     method: str
     taps: int
 
     def work(self, step: PlannedPass, covered: float) -> PassWork:
         """Of one step. covered: share of the image that is not background."""
-        every, part = (drawn_rect(step, self.drawn["inside"], covering) for covering in (None, self.drawn["covered"]))
+        every, part = dataclasses.replace(self.region, scene_rect=None).of(step), self.region.of(step)
         whole, area = (1e-6 * w * h for w, h in (rect[2:] if rect else step.size for rect in (every, part)))
         # What is shaded lies in the part that is drawn, however small that is.
         shaded = min(area, whole * covered) if step.task.test else area
-        return PassWork(area, shaded, shaded * self.taps if step.task.name == self.method else 0.0)
+        return PassWork(area, shaded, shaded * self.taps if step.task.role == "occlusion" else 0.0)
 
     def works(self, covered: float) -> dict[str, PassWork]:
         """Of every pass."""
@@ -122,12 +124,23 @@ class Measured:
         for step in framed.plan.steps:
             name = step.task.name
             same, ms = self.passes.get(name, (None, 0.0))
-            if same is not None and name in DRAWN:
+            if same is not None and step.task.role in DRAWN:
                 # Between a cost by triangles and one by pixels.
                 total += ms * (math.prod(step.size) / math.prod(same.size)) ** 0.5
-            elif same is not None and name != framed.method and (step.task, step.size) == (same.task, same.size):
+            elif same is not None and step.task.role != "occlusion" and _same_work(step, same):
                 total += ms
             elif name in rates:
                 factor = self.method_factor if name == framed.method == self.method else self.other_factor
                 total += factor * rates[name].ms(framed.work(step, self.covered))
         return total
+
+
+def _same_work(one: PlannedPass, other: PlannedPass) -> bool:
+    """Whether two passes cost the same: they differ in the numbers of their uniforms and tables at most."""
+    return one.size == other.size and _without_numbers(one.task) == _without_numbers(other.task)
+
+
+def _without_numbers(task: Pass) -> Pass:
+    if not isinstance(task.draw, Fullscreen):
+        return task
+    return dataclasses.replace(task, draw=dataclasses.replace(task.draw, uniforms={}, tables={}))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..graph.names import DEPTH, IMAGE, NORMAL, VISIBILITY
 from ..graph.plan import Plan
 from ..graph.regions import DrawRegion
 from ..pipeline.build import EYE_DEPTH, plan_apply
@@ -50,7 +51,7 @@ def of_scene(
 
     def framed(one: Settings) -> tuple[Plan, DrawRegion]:
         made = frame_setup(scene, camera, size, one, renderer.ctx.max_size)
-        return made.plan(aovs), made.drawn
+        return made.plan(aovs), made.region
 
     radius = settings.method.radius or camera.ao_radius or scene.default_radius()
     return PlanTarget(draw, framed, camera, size, radius, layers=2)
@@ -69,7 +70,7 @@ def of_arrays(
     """Arrays that occlusion is applied to. Raises FormatError for shapes that do not fit."""
     depth, color, normals = check_arrays(depth, color, normals)
     size = (depth.shape[1], depth.shape[0])
-    outputs = ("visibility", "z", "normal", *(("image",) if color is not None else ()))
+    outputs = (VISIBILITY, DEPTH, NORMAL, *((IMAGE,) if color is not None else ()))
 
     def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
         every = smaller if min(size) >= smaller else 1
@@ -78,7 +79,7 @@ def of_arrays(
 
     def framed(one: Settings) -> tuple[Plan, DrawRegion]:
         made = plan_apply(one, size, depth=depth_kind, normals=normals is not None, outputs=outputs)
-        return made, DrawRegion(inside=None, covered=None)
+        return made, DrawRegion()
 
     radius = settings.method.radius or camera.ao_radius or radius_of(depth, camera, depth_kind)
     return PlanTarget(draw, framed, camera, size, radius, layers=1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
+from collections.abc import Sequence
 from contextlib import ExitStack
 from types import TracebackType
 from typing import Any, SupportsIndex
@@ -14,14 +15,25 @@ from ..errors import ContextError, FormatError, SettingsError
 from ..gl.context import Context
 from ..gl.executor import FrameExecutor
 from ..gl.external import GuestFramebuffer, texture_size
+from ..gl.frame_cache import FrameCache
 from ..gl.guest_state import GuestState
 from ..gl.programs import GpuResources
 from ..gl.providers import wrap_moderngl
 from ..gl.timer import PassTime
-from ..pipeline.build import WINDOW_DEPTH, plan_apply
+from ..graph.names import COLOR, GIVEN_DEPTH, GIVEN_NORMAL, IMAGE, VISIBILITY
+from ..graph.plan import Plan
+from ..pipeline.build import WINDOW_DEPTH, check_camera, plan_apply
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera
 from ..scene.projection import Size
+
+MOST_LAYOUTS = 4
+"""Kinds of call (with and without colour, normals, ...) whose textures stay."""
+
+_Key = tuple[Settings, Size, str, bool, str]
+
+SHOWN = {GIVEN_DEPTH: "depth", COLOR: "color", GIVEN_NORMAL: "normal"}
+"""Resource -> what the argument is called."""
 
 Image = moderngl.Texture | SupportsIndex
 """A texture of the caller's: moderngl's object, or the GL name of a 2-D texture."""
@@ -45,13 +57,13 @@ class Effect:
         self.size = _checked_size(*size)
         self._ctx = ctx if isinstance(ctx, Context) else wrap_moderngl(ctx)
         self._guest = GuestState(self._ctx)
-        self._frames: dict[Any, FrameExecutor] = {}
         self._named: dict[int, moderngl.Texture] = {}
         self._debug = os.environ.get("SSAO_GL_DEBUG") == "1"
-        self.times: list[PassTime] = []
+        self.times: Sequence[PassTime] = ()
         """Milliseconds of each pass of the last call that was ``timed``."""
         with self._guest:
-            self._kit: GpuResources | None = GpuResources(self._ctx)
+            self._resources = GpuResources(self._ctx)
+            self._frames: FrameCache[_Key] | None = FrameCache(self._resources, MOST_LAYOUTS)
 
     @property
     def settings(self) -> Settings:
@@ -61,17 +73,17 @@ class Effect:
     @settings.setter
     def settings(self, settings: Settings) -> None:
         self._settings = _with_radius(settings)
-        for (size, depth_kind, normals, output), frame in list(self._frames.items()):
-            plan = plan_apply(settings, size, depth=depth_kind, normals=normals, outputs=(output,))
-            if plan == frame.plan:
-                frame.plan = plan  # other numbers, the same targets
-            else:
-                self._drop_frames()
+        if self._frames is not None:
+            kept = {self._plan(*key[2:]).layout for key in self._frames.keys}
+            with self._guest:
+                self._frames.retain(kept)
 
     def resize(self, width: int, height: int) -> None:
         """Your textures have another size from now on: frees everything made for the old one. Raises SettingsError."""
         self.size = _checked_size(width, height)
-        self._drop_frames()
+        if self._frames is not None:
+            with self._guest:
+                self._frames.clear()
 
     def apply(
         self,
@@ -95,37 +107,38 @@ class Effect:
         Returns the result's texture, owned by the effect and valid until the next call: visibility (r8) or picture (rgba8).
         Raises FormatError for textures of another size or kind, and for a target that shows ``color`` itself.
         """
-        output = "visibility" if color is None else "image"
-        key = (self.size, depth_kind, normal is not None, output)
-        given = {"depth": depth, "color": color, "normal_xyz": normal}
+        output = VISIBILITY if color is None else IMAGE
+        given = {GIVEN_DEPTH: depth, COLOR: color, GIVEN_NORMAL: normal}
+        view = camera.view(self.size)
+        check_camera(self.settings, view)
         with ExitStack() as stack:
             stack.enter_context(self._ctx.refusals())
             stack.enter_context(self._guest)
-            inputs = {name: self._texture(name, image) for name, image in given.items() if image is not None}
-            targets = {}
+            inputs = {name: self._texture(SHOWN[name], image) for name, image in given.items() if image is not None}
+            copies = {}
             if target is not None:
-                read = () if color is None else (inputs["color"].glo,)
-                targets[output] = stack.enter_context(GuestFramebuffer(self._ctx, self._framebuffer(target), self.size, read))
-            frame = self._frame(key)
-            result = frame.run(camera.view(self.size), inputs, targets=targets, timed=timed, checked=self._debug)
+                read = () if color is None else (inputs[COLOR].glo,)
+                copies[output] = stack.enter_context(GuestFramebuffer(self._ctx, self._framebuffer(target), self.size, read))
+            frame = self._frame(depth_kind, normal is not None, output)
+            drawn = frame.run(view, inputs, copies=copies, timed=timed, checked=self._debug)
             if timed:
-                self.times = frame.times
-        return result[output]
+                self.times = drawn.times
+        return drawn.outputs[output]
 
     def describe(self, depth_kind: str = WINDOW_DEPTH, *, normal: bool = False, color: bool = True) -> str:
         """The plan as text: passes, formats, slots, MiB, what was left out and why."""
-        output = "image" if color else "visibility"
-        return plan_apply(self.settings, self.size, depth=depth_kind, normals=normal, outputs=(output,)).describe()
+        output = IMAGE if color else VISIBILITY
+        return self._plan(depth_kind, normal, output).describe()
 
-    def _frame(self, key: tuple[Size, str, bool, str]) -> FrameExecutor:
-        if self._kit is None:
+    def _frame(self, depth_kind: str, normals: bool, output: str) -> FrameExecutor:
+        if self._frames is None:
             raise ContextError("Effect: was released")
-        frame = self._frames.get(key)
-        if frame is None:
-            size, depth_kind, normals, output = key
-            plan = plan_apply(self.settings, size, depth=depth_kind, normals=normals, outputs=(output,))
-            frame = self._frames[key] = FrameExecutor(self._kit, plan)
-        return frame
+
+        key: _Key = (self.settings, self.size, depth_kind, normals, output)
+        return self._frames.get(key, lambda: self._plan(depth_kind, normals, output))
+
+    def _plan(self, depth_kind: str, normals: bool, output: str) -> Plan:
+        return plan_apply(self.settings, self.size, depth=depth_kind, normals=normals, outputs=(output,))
 
     def _texture(self, name: str, image: Image) -> moderngl.Texture:
         if isinstance(image, moderngl.Texture):
@@ -156,19 +169,13 @@ class Effect:
             raise FormatError(f"Effect: the target is {w}x{h}, smaller than the effect's {width}x{height}")
         return target.glo
 
-    def _drop_frames(self) -> None:
-        with self._guest:
-            for frame in self._frames.values():
-                frame.release()
-            self._frames = {}
-
     def release(self) -> None:
         """Free every GL object that the effect made. Calling it twice does no harm."""
-        if self._kit is not None and not self._ctx.released:
-            self._drop_frames()
+        if self._frames is not None and not self._ctx.released:
             with self._guest:
-                self._kit.release()
-        self._kit = None
+                self._frames.clear()
+                self._resources.release()
+        self._frames = None
 
     def __enter__(self) -> Effect:
         return self

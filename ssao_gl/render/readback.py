@@ -2,23 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..gl.executor import FrameExecutor
+from ..gl.executor import WHOLE, DrawnFrame, FrameExecutor, SceneView
 from ..gl.timer import PassTime
+from ..graph.names import DEPTH, NORMAL
+from ..graph.regions import DrawRegion
 from ..io.images import flipped
 from ..pipeline.outputs import RESOURCES
 from ..scene.projection import ViewConstants
 
 
-def read_aov(frame: FrameExecutor, name: str, *, alpha: bool = False) -> NDArray[Any]:
-    """An AOV of a drawn frame, as :class:`Picture` documents it."""
+def read_aov(frame: DrawnFrame, name: str, *, alpha: bool = False) -> NDArray[Any]:
+    """Return an AOV of a drawn frame, as :class:`Picture` documents it."""
     resource = RESOURCES[name]
-    if resource not in frame.plan.where:  # arrays come with one kind of normals
-        resource = name
+    if name == "normal" and resource not in frame.plan.where:  # arrays come with one kind of normals
+        resource = NORMAL
     array = flipped(frame.read(resource))
     if name == "visibility":
         return array[..., 0].astype(np.float32) / 255
@@ -27,25 +30,41 @@ def read_aov(frame: FrameExecutor, name: str, *, alpha: bool = False) -> NDArray
     if name in ("normal", "bent"):
         f = np.minimum((array**2).sum(-1, keepdims=True), 4)
         normal = np.concatenate([array * np.sqrt(1 - f / 4), 1 - f / 2], -1)
-        return np.where(flipped(frame.read("z")) > 0, normal, 0).astype(np.float32)
+        return np.where(flipped(frame.read(DEPTH)) > 0, normal, 0).astype(np.float32)
     return array if alpha else np.ascontiguousarray(array[..., :3])
 
 
-def time_passes(frame: FrameExecutor, rounds: int, view: ViewConstants, inputs: Any = None, **drawn: Any) -> dict[str, Any]:
-    """Median milliseconds over ``rounds`` frames (``drawn``: see :meth:`FrameExecutor.run`): of each pass (and of the CPU's threads, ``cpu_ms``), of
-    the G-buffer, and of everything after it."""
-    runs: list[list[PassTime]] = []
-    for _ in range(rounds):
-        frame.run(view, inputs, **drawn, timed=True)
-        runs.append(frame.times)
+def time_passes(
+    frame: FrameExecutor,
+    rounds: int,
+    view: ViewConstants,
+    inputs: Mapping[str, Any] | None = None,
+    *,
+    scene: SceneView | None = None,
+    region: DrawRegion = WHOLE,
+) -> dict[str, Any]:
+    """Return median milliseconds over ``rounds`` frames, as plain values; nothing for no rounds.
+
+    Of each pass (``cpu_ms``: of the CPU's threads), of the G-buffer, and of everything after it.
+    """
+    runs = [frame.run(view, inputs, scene=scene, region=region, timed=True).times for _ in range(rounds)]
     if not runs:
         return {}
-    medians = {p.name: float(np.median([run[i].ms for run in runs])) for i, p in enumerate(runs[0])}
-    work = [float(np.median([run[i].cpu_ms for run in runs])) for i in range(len(runs[0]))]
+    medians = [_median([run[i].ms for run in runs]) for i in range(len(runs[0]))]
+    work = [_median([run[i].cpu_ms for run in runs]) for i in range(len(runs[0]))]
+    passes: Sequence[PassTime] = runs[0]
+    before = sum(ms for one, ms in zip(passes, medians, strict=True) if one.role == "gbuffer")
     return {
-        "passes": [{"name": name, "ms": ms, "cpu_ms": cpu} for (name, ms), cpu in zip(medians.items(), work, strict=True)],
-        "gbuffer_ms": medians.get("gbuffer", 0.0),
-        "ao_ms": sum(ms for name, ms in medians.items() if name != "gbuffer"),
-        "clock": runs[0][0].clock,
+        "passes": [
+            {"name": one.name, "role": one.role, "ms": ms, "cpu_ms": cpu}
+            for one, ms, cpu in zip(passes, medians, work, strict=True)
+        ],
+        "gbuffer_ms": before,
+        "ao_ms": sum(medians) - before,
+        "clock": passes[0].clock,
         "rounds": rounds,
     }
+
+
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values))

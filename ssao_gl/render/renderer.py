@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import importlib.metadata
 import time
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import TracebackType
@@ -14,22 +16,23 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import gl, planner
+from .. import gl
 from ..errors import ContextError
 from ..gl.context import Context
-from ..gl.executor import FrameExecutor
+from ..gl.executor import FrameExecutor, SceneView
+from ..gl.frame_cache import FrameCache
 from ..gl.programs import GpuResources
 from ..gl.scene_buffers import SceneBuffers
 from ..gl.timer import PassTime
+from ..graph.names import BENT_NORMAL, COLOR, DEPTH, GIVEN_DEPTH, GIVEN_NORMAL, GIVEN_VISIBILITY, IMAGE, NORMAL, VISIBILITY
 from ..graph.plan import Plan
-from ..graph.regions import DrawRegion
 from ..passes.denoise import Filter
-from ..pipeline.build import plan_apply, plan_filter
-from ..pipeline.frame_setup import frame_setup
+from ..pipeline.build import check_camera, plan_apply, plan_filter
+from ..pipeline.frame_setup import FrameSetup, frame_setup
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera
 from ..scene.model import Scene
-from ..scene.projection import Size, ViewConstants
+from ..scene.projection import Size
 from .arrays import check_arrays, check_size, radius_of
 from .memory import check_room
 from .picture import Picture
@@ -42,6 +45,17 @@ Result = TypeVar("Result")
 @functools.cache
 def _version() -> str:
     return importlib.metadata.version("ssao_gl")  # which reads a file
+
+
+def _planner(budget_ms: float | None, max_error: float | None) -> tuple[Any, Any]:
+    """Return the planner and what is asked of it, for arguments of 0.1 that went to it."""
+    warnings.warn(
+        "Renderer: budget_ms and max_error will go in 0.3; use ssao_gl.plan and its settings, or ssao_gl.render",
+        DeprecationWarning,
+        stacklevel=4,
+    )
+    planner = importlib.import_module("ssao_gl.planner")  # by name: the planner draws with renderers, which know nothing of it
+    return planner, planner.Target(budget_ms=budget_ms, max_error=max_error)
 
 
 def _current(method: Callable[Concatenate[Renderer, Arguments], Result]) -> Callable[Concatenate[Renderer, Arguments], Result]:
@@ -72,15 +86,14 @@ class Renderer:
         self._opened = self.ctx is not provider
         try:
             with self.ctx.current():
-                self._kit = GpuResources(self.ctx)
+                self._resources = GpuResources(self.ctx)
         except BaseException:
             if self._opened:
                 self.ctx.release()
             raise
         if self._opened:
             self.ctx.leave()
-        self._keep = keep
-        self._frames: list[tuple[Any, FrameExecutor]] = []  # the last one used is last
+        self._frames: FrameCache[Any] = FrameCache(self._resources, keep)
         self._scene: SceneBuffers | None = None
 
     @_current
@@ -100,79 +113,75 @@ class Renderer:
         """Draw ``scene``; without ``camera`` the scene's own first one, else an automatic view.
 
         ``aovs``: any of image, visibility, depth, normal, bent, color. ``timed`` draws that many frames more and reports the median
-        milliseconds of each pass. ``budget_ms``, ``max_error``: method and options are chosen; see :func:`ssao_gl.planner.plan`.
+        milliseconds of each pass. ``budget_ms``, ``max_error``: deprecated; plan with :func:`ssao_gl.plan` or :func:`ssao_gl.render`.
         """
         if budget_ms is not None or max_error is not None:
-            target = planner.Target(budget_ms=budget_ms, max_error=max_error)
-            choice = planner.plan(self, scene, camera, size, target, settings, aovs=aovs)
+            planner, goal = _planner(budget_ms, max_error)
+            choice = planner.plan(self, scene, camera, size, goal, settings, aovs=aovs)
             timed = max(timed, planner.ROUNDS)
-            return choice.noted(self.render(scene, camera, size, choice.settings, aovs=aovs, timed=timed, checked=checked))
-        settings, frame, view, where = self._ready(scene, camera, size, settings, aovs)
+            picture = self.render(scene, camera, size, choice.settings, aovs=aovs, timed=timed, checked=checked)
+            return choice.noted(picture)  # type: ignore[no-any-return]
+        made, frame, seen = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
-        frame.run(view, context=self._scene, **where, checked=checked)
-        arrays = {name: read_aov(frame, name) for name in aovs}
+        drawn = frame.run(made.view, scene=seen, region=made.region, checked=checked)
+        arrays = {name: read_aov(drawn, name) for name in aovs}
         self._check("drawing")
-        report = self._report(settings, size, frame, time.perf_counter() - started)
-        report |= time_passes(frame, timed, view, context=self._scene, **where)
-        used = self._scene.camera if self._scene else None
-        return Picture(
-            arrays,
-            report | {"camera": (used.name if used else "") or "unnamed", "scene": scene.name, "triangles": scene.triangles},
-        )
+        report = self._report(made.settings, size, frame, time.perf_counter() - started)
+        report |= time_passes(frame, timed, made.view, scene=seen, region=made.region)
+        about = {"camera": seen.camera.name or "unnamed", "scene": scene.name, "triangles": scene.triangles}
+        return Picture(arrays, report | about)
 
     @_current
     def time(
         self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
-    ) -> list[PassTime]:
+    ) -> Sequence[PassTime]:
         """Draw one frame with every pass timed, and read nothing back."""
-        _, frame, view, where = self._ready(scene, camera, size, settings, aovs)
-        frame.run(view, context=self._scene, **where, timed=True)
-        return frame.times
+        made, frame, seen = self._ready(scene, camera, size, settings, aovs)
+        return frame.run(made.view, scene=seen, region=made.region, timed=True).times
 
     @_current
     def frame(
         self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
     ) -> Callable[[], object]:
-        """A function that draws the frame again and waits for nothing: what a loop of one's own would call."""
-        _, frame, view, where = self._ready(scene, camera, size, settings, aovs)
-        return lambda: frame.run(view, context=self._scene, **where)
+        """Return a function that draws the frame again and waits for nothing: what a loop of one's own would call."""
+        made, frame, seen = self._ready(scene, camera, size, settings, aovs)
+        return lambda: frame.run(made.view, scene=seen, region=made.region)
 
     @_current
     def resource(
         self, scene: Scene, camera: Camera, size: Size, settings: Settings, name: str, *, aovs: Sequence[str] = ("visibility",)
     ) -> NDArray[Any] | None:
-        """A resource of a drawn frame, as :meth:`FrameExecutor.read` gives it: row 0 at the bottom; None when the plan has none."""
-        _, frame, view, where = self._ready(scene, camera, size, settings, aovs)
+        """Return a resource of a drawn frame, as :meth:`DrawnFrame.read` gives it: row 0 at the bottom; None when the plan has none."""
+        made, frame, seen = self._ready(scene, camera, size, settings, aovs)
         if not any(name in step.writes for step in frame.plan.steps):
             return None
-        frame.run(view, context=self._scene, **where)
-        return frame.read(name)
+        return frame.run(made.view, scene=seen, region=made.region).read(name)
 
     def _ready(
         self, scene: Scene, camera: Camera | None, size: Size, settings: Settings | None, aovs: Sequence[str]
-    ) -> tuple[Settings, FrameExecutor, ViewConstants, DrawRegion]:
-        """Everything on the GPU for a frame: the scene, its camera, the plan's textures; and which part of them is drawn."""
+    ) -> tuple[FrameSetup, FrameExecutor, SceneView]:
+        """Put everything on the GPU for a frame: the scene, the plan's textures."""
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
-        self._show(scene, camera, size)
+        seen = SceneView(self._uploaded_scene(scene, size), camera)
         made = frame_setup(scene, camera, size, settings or Settings(), self.ctx.max_size)
-        frame = self._plan(("render", made.settings, made.outer, tuple(aovs), made.triangles), lambda: made.plan(aovs))
-        return made.settings, frame, made.view, made.drawn
+        key = ("render", made.settings, made.outer, tuple(aovs), made.triangles)
+        return made, self._frames.get(key, lambda: made.plan(aovs), self._check_room), seen
 
-    def _show(self, scene: Scene, camera: Camera, size: Size) -> None:
-        """The scene on the GPU, before this camera. Raises SettingsError for a size that cannot be."""
+    def _uploaded_scene(self, scene: Scene, size: Size) -> SceneBuffers:
+        """Return the scene on the GPU. Raises SettingsError for a size that cannot be."""
         check_size(size)
         if self._scene is None or self._scene.scene is not scene:
             if self._scene is not None:
                 self._scene.release()
             self._scene = None
-            made = SceneBuffers(self._kit, scene)
+            made = SceneBuffers(self._resources, scene)
             try:
                 self._check(f"storing {scene.name or 'the scene'}")  # to draw from buffers that could not be made may crash
             except ContextError:
                 made.release()
                 raise
             self._scene = made
-        self._scene.camera = camera
+        return self._scene
 
     @_current
     def apply(
@@ -197,11 +206,11 @@ class Renderer:
         there is colour. Raises FormatError for shapes that do not fit. ``timed``, ``budget_ms``, ``max_error``: see :meth:`render`.
         """
         if budget_ms is not None or max_error is not None:
-            target = planner.Target(budget_ms=budget_ms, max_error=max_error)
+            planner, goal = _planner(budget_ms, max_error)
             choice = planner.plan_arrays(
-                self, depth, camera, target, settings, color=color, normals=normals, depth_kind=depth_kind
+                self, depth, camera, goal, settings, color=color, normals=normals, depth_kind=depth_kind
             )
-            return choice.noted(
+            return choice.noted(  # type: ignore[no-any-return]
                 self.apply(
                     depth, camera, color=color, normals=normals, depth_kind=depth_kind, settings=choice.settings, aovs=aovs,
                     timed=max(timed, planner.ROUNDS), checked=checked,
@@ -214,38 +223,41 @@ class Renderer:
         if settings.method.radius is None:
             settings = settings.with_radius(camera.ao_radius or radius_of(depth, camera, depth_kind))
         outputs = (
-            "visibility",
-            "z",
-            "normal",
-            *(("bent",) if "bent" in aovs else ()),
-            *(("image",) if color is not None else ()),
+            *(VISIBILITY, DEPTH, NORMAL),
+            *((BENT_NORMAL,) if "bent" in aovs else ()),
+            *((IMAGE,) if color is not None else ()),
         )
-        frame = self._plan(
+        view = camera.view(size)
+        check_camera(settings, view)
+        frame = self._frames.get(
             ("apply", settings, size, depth_kind, normals is not None, outputs),
             lambda: plan_apply(settings, size, depth=depth_kind, normals=normals is not None, outputs=outputs),
+            self._check_room,
         )
-        given = {"depth": depth, "normal_xyz": normals, "color": color}
+        given = {GIVEN_DEPTH: depth, GIVEN_NORMAL: normals, COLOR: color}
         with self._uploaded({name: array for name, array in given.items() if array is not None}) as inputs:
             started = time.perf_counter()
-            frame.run(camera.view(size), inputs, checked=checked)
+            drawn = frame.run(view, inputs, checked=checked)
             names = (*aovs, *(("image",) if color is not None else ()))
-            arrays = {name: read_aov(frame, name, alpha=color is not None and color.shape[2] == 4) for name in names}
+            arrays = {name: read_aov(drawn, name, alpha=color is not None and color.shape[2] == 4) for name in names}
             self._check("drawing")
             report = self._report(settings, size, frame, time.perf_counter() - started)
-            report |= time_passes(frame, timed, camera.view(size), inputs)
+            report |= time_passes(frame, timed, view, inputs)
         return Picture(arrays, report)
 
     @_current
     def filter(
         self, scene: Scene, camera: Camera, size: Size, visibility: NDArray[Any], blur: Filter
-    ) -> tuple[NDArray[np.float32], list[PassTime]]:
-        """A visibility (h, w) from elsewhere, row 0 on top, filtered by the depth and normals of ``scene``; and the time
-        that each pass took."""
-        self._show(scene, camera, size)
-        frame = self._plan(("filter", blur, size), lambda: plan_filter(blur, size))
-        with self._uploaded({"given": check_arrays(visibility, None, None)[0]}) as inputs:
-            frame.run(camera.view(size), inputs, context=self._scene, timed=True)
-            return read_aov(frame, "visibility"), frame.times
+    ) -> tuple[NDArray[np.float32], Sequence[PassTime]]:
+        """Filter a visibility (h, w) from elsewhere, row 0 on top, by the depth and normals of ``scene``.
+
+        Returns it, and the time that each pass took.
+        """
+        seen = SceneView(self._uploaded_scene(scene, size), camera)
+        frame = self._frames.get(("filter", blur, size), lambda: plan_filter(blur, size), self._check_room)
+        with self._uploaded({GIVEN_VISIBILITY: check_arrays(visibility, None, None)[0]}) as inputs:
+            drawn = frame.run(camera.view(size), inputs, scene=seen, timed=True)
+            return read_aov(drawn, "visibility"), drawn.times
 
     @contextmanager
     def _uploaded(self, arrays: Mapping[str, NDArray[Any]]) -> Iterator[dict[str, moderngl.Texture]]:
@@ -253,7 +265,7 @@ class Renderer:
         inputs: dict[str, moderngl.Texture] = {}
         try:
             for name, array in arrays.items():
-                inputs[name] = self._kit.upload(array)
+                inputs[name] = self._resources.upload(array)
             yield inputs
         finally:
             for texture in inputs.values():
@@ -264,25 +276,10 @@ class Renderer:
         if self._opened:
             self.ctx.check_error(what)
 
-    def _plan(self, key: Any, make: Any) -> FrameExecutor:
-        """The frame for a plan; the last ones are kept, and their textures serve every plan of the same shape."""
-        found = next((i for i, (kept, _) in enumerate(self._frames) if kept == key), None)
-        if found is not None:
-            self._frames.append(self._frames.pop(found))
-            return self._frames[-1][1]
-        plan: Plan = make()
-        same = next((i for i, (_, frame) in enumerate(self._frames) if frame.plan == plan), None)
-        if same is not None:
-            frame = self._frames.pop(same)[1]
-            frame.plan = plan  # other settings, the same targets
-        else:
-            while len(self._frames) >= self._keep:
-                self._frames.pop(0)[1].release()
-            if self.ctx.software:
-                check_room(plan.bytes, plan.frame)
-            frame = FrameExecutor(self._kit, plan)
-        self._frames.append((key, frame))
-        return frame
+    def _check_room(self, plan: Plan) -> None:
+        """Raise ContextError when a software renderer would not get the memory that a plan takes."""
+        if self.ctx.software:
+            check_room(plan.bytes, plan.frame)
 
     def _report(self, settings: Settings, size: Size, frame: FrameExecutor, seconds: float) -> dict[str, Any]:
         return {
@@ -304,10 +301,9 @@ class Renderer:
         with self.ctx.current():
             if self._scene is not None:
                 self._scene.release()
-            for _, frame in self._frames:
-                frame.release()
-            self._scene, self._frames = None, []
-            self._kit.release()
+            self._frames.clear()
+            self._scene = None
+            self._resources.release()
         if self._opened:
             self.ctx.release()
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SettingsError
 from ..settings import setting
 from .disk import bayer
 
@@ -26,9 +27,9 @@ def max_radius() -> Any:
 
 
 def reach_uniforms(radius: float | None, max_radius: float) -> Mapping[str, Any]:
-    """The uniforms of ``lib/taps.glsl``. Raises ValueError when the radius is not settled."""
+    """The uniforms of ``lib/taps.glsl``. Raises SettingsError when the radius is not settled."""
     if radius is None:
-        raise ValueError("the radius must be settled before the draw")
+        raise SettingsError("the radius must be settled before the draw")
     return {"u_radius": radius, "u_max_radius": max_radius, "u_noise_width": float(TILE)}
 
 

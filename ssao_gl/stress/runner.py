@@ -62,7 +62,7 @@ class CaseRunner:
             shot = shot.but(size=self.size if shot.depth is None else shot.depth.shape[::-1])
         self.shots.append(shot)
         settings = self.subject.settings(shot)
-        if shot.scene is None and "z2" in settings.method.samplers.values():
+        if shot.scene is None and "second_layer" in settings.method.traits.inputs:
             raise NotApplicable("it needs a scene to draw two layers of, and a depth image has one")
         watched = dataclasses.replace(settings, method=finite_check.with_finite_check(settings.method))
         finite = self._draw(renderer, shot, watched, ("visibility",)).visibility

@@ -16,9 +16,6 @@ from ..settings import assign, limits
 from .shot import Shot
 
 DEFAULT = "default"
-EXHAUSTIVE = {"slices": (16, 2), "max_steps": (512, 64)}
-"""Settings that make a method exhaustive when they are above a number, and what they are cut to: what may go wrong goes wrong
-in every slice and step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +49,7 @@ class Specimen:
     @property
     def radius_is_a_length(self) -> bool:
         """Whether the radius is in scene units, as it is for methods that know of them."""
-        return self.units.get("radius") == "scene units"
+        return self.method.traits.radius_unit == "scene units"
 
     def settings(self, shot: Shot) -> Settings:
         """Settings for a shot: its filter, and as much of its radius and changes as the method has."""
@@ -79,6 +76,6 @@ def specimens(methods: Sequence[str] = (), presets: Sequence[str] = (DEFAULT,), 
     return found
 
 
-def _affordable(record: Any) -> Any:
-    cut = {name: less for name, (top, less) in EXHAUSTIVE.items() if getattr(record, name, 0) > top}
-    return dataclasses.replace(record, **cut)
+def _affordable(record: Method) -> Method:
+    """Return the method with fewer taps, where its own make it exhaustive: what may go wrong goes wrong in every one of them."""
+    return record.traits.affordable or record

@@ -20,11 +20,10 @@ from numpy.typing import NDArray
 from ..errors import SettingsError
 from ..methods.base import Method
 from ..pipeline.build import plan_render
-from ..pipeline.settings import Settings
+from ..pipeline.settings import Settings, guard_band
 from ..scene.camera import Camera, CropLens
 from ..scene.model import Scene
 from ..scene.projection import Size, ViewConstants
-from ..settings import limits
 
 TILE_STEP = 16
 """Tiles and halos are multiples of this: of the noise tiles, and of what passes at a lower resolution group together."""
@@ -172,7 +171,7 @@ def layout(
         side = _own_side(settings, size, aovs, least, step, limit)
     else:
         side = (_up(tile, step), _up(tile, step))
-    made = Layout(size, side, least, wanted, guard(settings.method, size) if looks else 0, step)
+    made = Layout(size, side, least, wanted, guard_band(settings.method, size[1]) if looks else 0, step)
     if max(made.outer) > limit:
         most = (limit - 2 * least) // step * step - (step if made.guard % step else 0)
         raise SettingsError(
@@ -199,21 +198,15 @@ def halo(scene: Scene, camera: Camera, size: Size, settings: Settings) -> int:
     method = settings.method
     taps = tap_reach(method, camera.view(size), nearest(scene, camera, size))
     # A filter without a width of its own takes the half of the noise tile.
-    filtered = (getattr(settings.blur, "radius", 0) or getattr(method, "tile", TILE_STEP)) if settings.blur else 0
+    filtered = (settings.blur.radius or method.traits.noise_tile) if settings.blur else 0
     # Beyond both, the neighbours that upsampling and edges ask for.
-    return math.ceil(min(taps, 1e9)) + (2 * filtered + 4) * _scale(method)
-
-
-def guard(method: Method, size: Size) -> int:
-    """Pixels that a picture of ``size`` is drawn larger by on each side, so that taps see what lies beside it."""
-    return _up(math.ceil(getattr(method, "guard", 0.0) * size[1]), TILE_STEP)
+    return math.ceil(min(taps, 1e9)) + (2 * filtered + 4) * method.traits.scale
 
 
 def unguarded(settings: Settings) -> Settings:
-    """The settings for a tile, whose halo is its guard."""
-    if not getattr(settings.method, "guard", 0.0):
-        return settings
-    return dataclasses.replace(settings, method=dataclasses.replace(settings.method, guard=0.0))  # type: ignore[type-var]
+    """Return the settings for a tile, whose halo is its guard band."""
+    bare = settings.method.traits.unguarded
+    return dataclasses.replace(settings, method=bare) if bare else settings
 
 
 def tap_reach(method: Method, view: ViewConstants, nearest: float) -> float:
@@ -221,24 +214,19 @@ def tap_reach(method: Method, view: ViewConstants, nearest: float) -> float:
 
     A radius in scene units is longest on the nearest surface, at the corner of the picture that lies farthest off the
     axis (a ball there is seen as an ellipse, longer by the length of the ray), to a point that is nearer still by the radius.
-    The method's own clamp, a setting ``max_...`` in pixels, bounds it whatever the size of the picture.
+    The method's own clamp (``Traits.max_reach``) bounds it whatever the size of the picture.
     """
-    radius = getattr(method, "radius")  # noqa: B009 - its type differs from method to method
-    fields = {field.name: limits(field) for field in dataclasses.fields(method)}  # type: ignore[arg-type]
-    unit = fields["radius"].unit
-    if unit == "pixels":
+    radius, traits = method.radius, method.traits
+    if traits.radius_unit == "pixels":
         return float(radius)
-    if unit == "share of the image":
+    if traits.radius_unit == "share of the image":
         return float(radius) * max(view.whole or view.size)
-    if unit != "scene units" or radius is None:
-        raise SettingsError(f"{method.name}: its radius is in '{unit}', of which tiles do not know how many pixels it is")
-    clamps = [
-        float(getattr(method, name)) for name, rule in fields.items() if name.startswith("max_") and rule.unit == "pixels"
-    ]
+    if radius is None:
+        raise SettingsError(f"{method.name}: its radius must be settled before tiles are")
     w = view.w1 * max(nearest - radius, 1e-3 * abs(nearest)) + view.w0
     pixels = 0.5 * np.linalg.norm(view.projection[:2, :2], axis=1) * np.asarray(view.size)
     longest = radius * pixels.max() * _slant(view) / w if w > 0 else math.inf
-    return min([longest, *clamps]) + 1  # taps are rounded to texel centres
+    return min(longest, math.inf if traits.max_reach is None else traits.max_reach) + 1  # taps are rounded to texel centres
 
 
 def nearest(scene: Scene, camera: Camera, size: Size) -> float:
@@ -257,12 +245,7 @@ def _slant(view: ViewConstants) -> float:
 
 def _step(method: Method) -> int:
     """What tiles are multiples of: ``TILE_STEP``, and the period of the method's noise."""
-    return math.lcm(TILE_STEP, *(side * _scale(method) for table in method.lookups().values() for side in table.shape[:2]))
-
-
-def _scale(method: Method) -> int:
-    """Pixels along each side of one for which occlusion is drawn."""
-    return int(getattr(method, "scale", 1))
+    return math.lcm(TILE_STEP, method.traits.noise_tile * method.traits.scale)
 
 
 def _up(value: int, step: int) -> int:

@@ -52,7 +52,7 @@ def test_memory_adds_up() -> None:
     plan = frame_setup(corner(), camera(), SIZE, settings, USUAL_LIMIT).plan(("visibility",))
     found = plan_memory(settings, SIZE, plan)
     w, h = plan.frame
-    assert found.total == plan.bytes and found.shared == plan.unshared - plan.bytes > 0
+    assert found.total == plan.bytes and found.shared == plan.unaliased_bytes - plan.bytes > 0
     assert found.culled["color"] == 4 * w * h and found.culled["layer behind"] == (4 + 4) * w * h
     own = {"z", "normal", "cover", "visibility"}
     assert found.beyond == plan.bytes - sum(plan.slots[plan.where[name]].bytes for name in own)

@@ -38,7 +38,7 @@ def test_targets_that_nobody_reads_are_not_written() -> None:
 def test_slots_are_shared_when_lifetimes_allow_and_never_within_a_pass() -> None:
     plan = compile([task("a", "", "a"), task("b", "a", "b"), task("c", "b", "c"), task("d", "c", "d")], FRAME, ["d"])
     assert [plan.where[n] for n in "abcd"] == [0, 1, 0, 1]
-    assert plan.bytes == 2 * 64 * 48 < plan.unshared == 4 * 64 * 48
+    assert plan.bytes == 2 * 64 * 48 < plan.unaliased_bytes == 4 * 64 * 48
 
 
 def test_an_output_keeps_its_slot_to_the_end() -> None:

@@ -116,7 +116,7 @@ def test_what_runs_is_what_is_needed(graph: Graph) -> None:
         assert all(name in plan.culled for name in set(step.task.writes) - set(step.writes))
     for task in passes:
         assert (task.name in plan.culled) == (task.name not in run)
-    assert plan.bytes <= plan.unshared and plan.describe().count("\n") >= len(run)
+    assert plan.bytes <= plan.unaliased_bytes and plan.describe().count("\n") >= len(run)
 
 
 @given(graphs(), st.randoms())

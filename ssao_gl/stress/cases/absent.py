@@ -21,7 +21,7 @@ def feedback(lab: CaseRunner) -> float:
     """No pass reads a texture while it draws into it."""
     settings = lab.subject.settings(Shot(lens(), blur="joint"))
     plans = [plan_render(settings, lab.size)]
-    if "z2" not in settings.method.samplers.values():
+    if "second_layer" not in settings.method.traits.inputs:
         plans += [plan_apply(settings, lab.size, normals=normals) for normals in (False, True)]
     return float(sum(_loops(plan) for plan in plans))
 

@@ -22,7 +22,7 @@ EDGES = "edges may round to the next pixel"
 
 def spread(lab: CaseRunner) -> int:
     """Pixels of the image that change with each that is drawn: those of a smaller target show in their neighbours too."""
-    return 4 if getattr(lab.subject.method, "scale", 1) > 1 else 1
+    return 4 if lab.subject.method.traits.scale > 1 else 1
 
 
 @case("units", GROUP, OFF, 0.002, contract="scale", traps=(5, 6, 7), why=EDGES)
@@ -99,7 +99,7 @@ def left_out(lab: CaseRunner) -> float:
     walls = Mesh(*box(), transforms=place((4, 3, 6), (0, 0, -4))[None])
     cube = Mesh(*box(), transforms=place((0.7, 0.7, 0.7), (0.5, -2, -6), 0.5)[None])
     # Open blocks are looked for where taps are many, by methods that are exact there.
-    many = {"scale": 1, "steps": 12} if getattr(lab.subject.method, "open_is_exact", False) else {}
+    many = {"scale": 1, "steps": 12} if lab.subject.method.traits.exactly_open else {}
     shots = [Shot(lens(), Scene([walls, cube]), blur=blur, changes=many) for blur in ("none", "joint")]
     shots += [Shot(lens(), depth=cast(lens(), lab.size, *room()), blur=blur) for blur in ("none", "joint")]
     pairs = [(lab.see(shot).visibility, lab.see(shot.but(keep=tuple(CULLING_RULES))).visibility) for shot in shots]

@@ -6,7 +6,7 @@
 // to LEVEL: a sector is hidden when half of it is, and the outermost of 32 begins at sqrt(2 / 64).
 #needs es300
 #include "lib/view.glsl"
-#include "lib/nearness.glsl"
+#include "lib/inverse_depth.glsl"
 
 uniform sampler2D u_bounds;
 uniform sampler2D u_spread;

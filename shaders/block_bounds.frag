@@ -1,11 +1,11 @@
 // For each block of BLOCK x BLOCK pixels, what bounds its surfaces from the front: affine functions of the place in the image.
-// With a, b the slope of its nearest surface, their nearness (lib/nearness.glsl) lies between a x + b y + low and a x + b y + high,
+// With a, b the slope of its nearest surface, their nearness (lib/inverse_depth.glsl) lies between a x + b y + low and a x + b y + high,
 // x and y in pixels from the middle of the block. spread is how much the slope of any tangent plane is off, and any step from
 // pixel to pixel; it is past all bounds where the block meets background.
 #needs es300
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
-#include "lib/nearness.glsl"
+#include "lib/inverse_depth.glsl"
 
 uniform sampler2D u_z;
 uniform sampler2D u_normal;

@@ -5,7 +5,7 @@
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
 #include "lib/output.glsl"
-#include "lib/sum.glsl"
+#include "lib/accumulate.glsl"
 
 uniform sampler2D u_packed;   // visibility and linear depth
 uniform sampler2D u_normal;

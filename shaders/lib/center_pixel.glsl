@@ -1,5 +1,5 @@
 // The pixel that a fragment stands for, and what it shows. In a target smaller than the image (SMALL) it is one of the pixels
-// below the fragment, which shrink.frag chose; which one is in the lowest bits of its depth. A probe (PROBE) stands for the
+// below the fragment, which downsample.frag chose; which one is in the lowest bits of its depth. A probe (PROBE) stands for the
 // pixel in the middle.
 uniform vec2 u_target_texel;  // 1 / size of the target
 uniform float u_scale;        // pixels of the image along each side of a fragment
