@@ -51,6 +51,7 @@ class ViewValue:
     def __post_init__(self) -> None:
         if self.name not in VIEW_VALUES:
             raise GraphError(f"there is no view value '{self.name}'.{near_miss(self.name, VIEW_VALUES)}")
+        object.__setattr__(self, "factor", float(self.factor))  # so that equal values have equal texts
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ import pytest
 
 import ssao_gl as ao
 from ssao_gl.graph.declare import BYTES
+from ssao_gl.graph.names import COLOR, DEPTH, NORMAL, SCENE_MASK, SHADING_NORMAL, VISIBILITY
 from ssao_gl.pipeline.explain import plan_memory, resource_table, rule_statuses
 from ssao_gl.pipeline.frame_setup import frame_setup
 from ssao_gl.pipeline.settings import CULLING_RULES
@@ -42,7 +43,7 @@ def test_every_pass_and_resource_is_kept_or_left_out() -> None:
     plan = frame_setup(corner(), camera(), SIZE, settings, USUAL_LIMIT).plan(("visibility",))
     kept = {row["name"] for row in resource_table(plan)}
     assert kept == set(plan.where) and not kept & set(plan.culled)
-    assert {"layer behind", "composite", "color", "shading_normal"} <= set(plan.culled)
+    assert {"layer behind", "composite", COLOR, SHADING_NORMAL} <= set(plan.culled)
     for row in resource_table(plan):
         assert row["bytes"] == BYTES[row["format"]] * row["size"][0] * row["size"][1]
 
@@ -53,8 +54,8 @@ def test_memory_adds_up() -> None:
     found = plan_memory(settings, SIZE, plan)
     w, h = plan.frame
     assert found.total == plan.bytes and found.shared == plan.unaliased_bytes - plan.bytes > 0
-    assert found.culled["color"] == 4 * w * h and found.culled["layer behind"] == (4 + 4) * w * h
-    own = {"z", "normal", "cover", "visibility"}
+    assert found.culled[COLOR] == 4 * w * h and found.culled["layer behind"] == (4 + 4) * w * h
+    own = {DEPTH, NORMAL, SCENE_MASK, VISIBILITY}
     assert found.beyond == plan.bytes - sum(plan.slots[plan.where[name]].bytes for name in own)
     deep = ao.Settings(method=ao.Bitmask(radius=1.0, scale=1, layers=2))
     assert plan_memory(deep, SIZE, plan).effect is None and found.effect is not None

@@ -1,22 +1,29 @@
 """The frame graph: order, culling, sharing of textures, errors. No OpenGL."""
 
+import dataclasses
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ssao_gl.errors import GraphError
-from ssao_gl.graph.declare import Pass, Texture
+from ssao_gl.graph import names as resources
+from ssao_gl.graph.declare import PREVIOUS, Pass, Texture
+from ssao_gl.graph.draws import Fullscreen, Table, ViewValue
 from ssao_gl.graph.frame_graph import compile
 from ssao_gl.graph.plan import Plan
+from ssao_gl.methods.bitmask import Bitmask
 from ssao_gl.pipeline.build import plan_apply, plan_render
 from ssao_gl.pipeline.settings import Settings
 
 FRAME = (64, 48)
+SETTINGS = Settings(method=Bitmask(radius=1.0))
 
 
 def task(name: str, reads: str = "", writes: str = "", depth: str | None = None, **formats: Texture) -> Pass:
     targets = {w: formats.get(w, Texture("r8")) for w in writes.split()}
-    return Pass(name, tuple(reads.split()), targets, lambda stage: None, depth)
+    draw = Fullscreen("any.frag", {f"u_{number}": read for number, read in enumerate(reads.split())})
+    return Pass(name, "prepare", draw, targets, depth)
 
 
 def names(plan: Plan) -> list[str]:
@@ -81,21 +88,80 @@ def test_errors_name_the_pass_and_the_near_miss(passes: list[Pass], outputs: lis
 
 
 def test_a_plan_is_a_value_and_prints_itself() -> None:
-    one, two = (plan_render(Settings(), FRAME) for _ in range(2))
+    one, two = (plan_render(SETTINGS, FRAME) for _ in range(2))
     assert one == two
     text = one.describe()
     assert "gbuffer" in text and "left out: layer behind" in text and "MiB" in text
-    assert plan_render(Settings(blur=None), FRAME).culled["blur"] == "switched off"
+    assert plan_render(dataclasses.replace(SETTINGS, blur=None), FRAME).culled["blur"] == "switched off"
+
+
+def test_equal_plans_draw_the_same_and_others_do_not() -> None:
+    """What is drawn is part of a plan's value: the layout alone is what plans of other numbers share."""
+    one = plan_render(SETTINGS, FRAME)
+    other = plan_render(Settings(method=Bitmask(radius=2.0)), FRAME)
+    assert one != other and one.layout == other.layout
+    mobile = plan_render(dataclasses.replace(SETTINGS, precision="mobile"), FRAME)
+    assert mobile != one and mobile.layout == one.layout
+    assert all(step.task.draw.defines.get("MOBILE") for step in mobile.steps if isinstance(step.task.draw, Fullscreen))
+    assert plan_render(dataclasses.replace(SETTINGS, blur=None), FRAME).layout != one.layout
+
+
+def history(name: str, *reads: str, **other: Texture) -> Pass:
+    draw = Fullscreen("any.frag", {f"u_{number}": read for number, read in enumerate(reads)})
+    return Pass(name, "prepare", draw, {name: Texture("r32f", lifetime="history"), **other})
+
+
+def test_a_history_is_read_before_it_is_written_anew() -> None:
+    passes = [task("now", "", "now"), history("mean", "now", f"mean{PREVIOUS}"), task("show", "mean", "show")]
+    plan = compile(passes, FRAME, ["show"])
+    assert names(plan) == ["now", "mean", "show"]
+    assert plan.history == {"mean": (plan.where["mean"], plan.where[f"mean{PREVIOUS}"])}
+    assert plan.layout.history == (plan.history["mean"],)
+
+
+def test_what_the_next_frame_reads_is_written_and_its_slots_are_nobody_elses() -> None:
+    """The writer of a history runs even where this frame alone would not need it."""
+    passes = [task("a", f"b{PREVIOUS}", "a"), history("b", "c"), task("c", "", "c"), task("d", "a", "d"), task("e", "d", "e")]
+    plan = compile(passes, FRAME, ["e"])
+    assert {"b", "c"} <= set(names(plan))
+    pair = plan.history["b"]
+    assert len(set(pair)) == 2 and not set(pair) & {plan.where[name] for name in "acde"}
+
+
+@pytest.mark.parametrize(
+    ("passes", "inputs", "message"),
+    [
+        ([task("a", f"b{PREVIOUS}", "a"), task("b", "", "b")], [], "'b' has no history"),
+        ([task("a", f"b{PREVIOUS}", "a")], ["b"], "'b' has no history"),
+        ([task("a", f"nobody{PREVIOUS}", "a")], [], "needs 'nobody'"),
+    ],
+)
+def test_only_a_history_can_be_remembered(passes: list[Pass], inputs: list[str], message: str) -> None:
+    with pytest.raises(GraphError, match=message):
+        compile(passes, FRAME, ["a"], inputs)
+
+
+def test_a_3d_texture_counts_all_its_layers() -> None:
+    plan = compile([task("a", "", "a", a=Texture("rgba16f", depth=32))], FRAME, ["a"])
+    assert plan.bytes == 8 * 64 * 48 * 32
+
+
+def test_tables_are_values() -> None:
+    values = [[0.25, 1.0], [2.0, -3.0]]
+    assert Table.of(values) == Table.of(values) and hash(Table.of(values)) == hash(Table.of(values))
+    assert Table.of(values).array().tolist() == values and Table.of(values) != Table.of([[0.25, 1.0]])
+    with pytest.raises(GraphError, match="Did you mean 'pixel'"):
+        ViewValue("pixels")
 
 
 def test_depth_only_gbuffer_when_only_depth_is_wanted() -> None:
-    assert plan_render(Settings(), FRAME, ("depth",)).steps[0].writes == ("z",)
-    assert names(plan_render(Settings(), FRAME, ("depth",))) == ["gbuffer"]
+    assert plan_render(SETTINGS, FRAME, ("depth",)).steps[0].writes == (resources.DEPTH,)
+    assert names(plan_render(SETTINGS, FRAME, ("depth",))) == ["gbuffer"]
 
 
 def test_apply_rebuilds_normals_only_when_none_are_given() -> None:
-    assert "normals" in names(plan_apply(Settings(), FRAME))
-    assert "encode normals" in names(plan_apply(Settings(), FRAME, normals=True))
+    assert "normals" in names(plan_apply(SETTINGS, FRAME))
+    assert "encode normals" in names(plan_apply(SETTINGS, FRAME, normals=True))
 
 
 @st.composite

@@ -150,7 +150,7 @@ def test_no_part_of_a_rate_is_negative(runs: list[tuple[float, float, float, flo
     assert min(dataclasses.astuple(found)) >= 0
 
 
-NOWHERE = DrawRegion(inside=None, covered=None)
+NOWHERE = DrawRegion()
 SETTINGS = ao.Settings(method=CANDIDATES["bitmask medium"][1].made(1.0))
 PLAN = plan_render(SETTINGS, (640, 360))
 FRAMED = PlannedFrame(PLAN, NOWHERE, "bitmask", 10)
@@ -160,10 +160,10 @@ def test_work_goes_by_what_is_drawn_and_covered() -> None:
     found = FRAMED.works(0.25)
     assert found["gbuffer"] == PassWork(0.2304, 0.2304), "not tested"
     assert found["bitmask"] == PassWork(0.0576, 0.0144, 0.144), "at half size, a quarter of it, ten taps each"
-    inside = DrawRegion(inside=(16, 16, 608, 328), covered=None)
-    area = dataclasses.replace(FRAMED, drawn=inside).works(1.0)["bitmask"].area
+    inside = DrawRegion(image_rect=(16, 16, 608, 328))
+    area = dataclasses.replace(FRAMED, region=inside).works(1.0)["bitmask"].area
     assert area == pytest.approx(312e-6 * 172), "with a margin for later passes"
-    strip = dataclasses.replace(FRAMED, drawn=DrawRegion(inside=None, covered=(0, 0, 640, 36)))
+    strip = dataclasses.replace(FRAMED, region=DrawRegion(scene_rect=(0, 0, 640, 36)))
     assert dataclasses.astuple(strip.works(0.5)["bitmask"]) == pytest.approx((0.00576, 0.00576, 0.0576))
 
 

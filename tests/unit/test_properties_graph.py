@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ssao_gl.errors import GraphError
 from ssao_gl.graph.declare import DepthTest, Pass, Texture
+from ssao_gl.graph.draws import Fullscreen
 from ssao_gl.graph.frame_graph import compile
 from ssao_gl.graph.plan import Plan, Slot
 
@@ -16,8 +18,9 @@ FORMATS = ["r8", "rgba8", "r32f"]
 Graph = tuple[list[Pass], list[str], list[str]]
 
 
-def nothing(_: object) -> None:
-    """What a pass draws does not matter here."""
+def drawing(reads: Sequence[str]) -> Fullscreen:
+    """What else a pass draws does not matter here."""
+    return Fullscreen("any.frag", {f"u_{number}": name for number, name in enumerate(reads)})
 
 
 @st.composite
@@ -45,7 +48,7 @@ def graphs(draw: st.DrawFn) -> Graph:
         fitting = [name for name in depths if depths[name] == scale]
         if "test" in kind and fitting:
             test = DepthTest(draw(st.sampled_from(fitting)), draw(st.booleans()), draw(st.booleans()))
-        passes.append(Pass(f"p{number}", reads, writes, nothing, depth, test, over))
+        passes.append(Pass(f"p{number}", "prepare", drawing(reads), writes, depth, test, over))
         known |= writes
         depths |= {depth: scale} if depth else {}
     outputs = draw(st.lists(st.sampled_from([*known]), min_size=1, max_size=3, unique=True))
@@ -141,7 +144,7 @@ def wrong(draw: st.DrawFn) -> Graph:
     names = [name for each in passes for name in each.writes] + ["nobody", "d0", *inputs]
     name = draw(st.sampled_from(names))
     changes = [
-        {"reads": (*task.reads, name)},
+        {"draw": drawing((*task.reads, name))},
         {"writes": {name: Texture("r8")}},
         {"writes": {}},
         {"writes": {**task.writes, "x": Texture("r9")}},

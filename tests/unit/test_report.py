@@ -109,14 +109,14 @@ def test_rounds_are_interleaved_and_the_first_is_dropped() -> None:
     def draw(name: str) -> list[PassTime]:
         order.append(name)
         return [
-            PassTime("gbuffer", 50, "wall", 1),
-            PassTime("alchemy", len(order), "wall", 2),
-            PassTime("blur x", 1, "wall", 3),
+            PassTime("gbuffer", 50, "wall", 1, "gbuffer"),
+            PassTime("alchemy", len(order), "wall", 2, "occlusion"),
+            PassTime("blur x", 1, "wall", 3, "denoise"),
         ]
 
     runs = timing.interleaved({"a": lambda: draw("a"), "b": lambda: draw("b")}, 2)
     assert order == ["a", "b", "b", "a", "a", "b"]
-    found = timing.summary(runs["a"], "alchemy")
+    found = timing.summary(runs["a"])
     assert found["method"]["wall"][1] == 4.5 and found["total"]["wall"][1] == 5.5 and found["total"]["cpu"][1] == 5
     assert found["gbuffer"]["wall"][1] == 50 and list(found["passes"]) == ["gbuffer", "alchemy", "blur x"]
 

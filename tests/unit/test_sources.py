@@ -55,7 +55,7 @@ def test_includes_come_once_and_lines_know_their_file() -> None:
 
 
 def test_repeat_writes_the_line_out() -> None:
-    text = preprocess.build("blur_joint.frag", {"RADIUS": 3, "PACKED": 1}).text
+    text = preprocess.build("denoise_joint.frag", {"RADIUS": 3, "PACKED": 1}).text
     assert text.count("u_weights[2 + 1]") == 2 and "#repeat" not in text
 
 
@@ -64,8 +64,8 @@ def test_repeat_writes_the_line_out() -> None:
     [
         ("methods/alchmy.frag", "es300", "Did you mean 'methods/alchemy.frag'"),
         ("composite.frag", "es30", "Did you mean 'es300'"),
-        ("blur_joint.frag", "es100", "es300"),
-        ("blur_joint.frag", "gl330", "#repeat needs a number"),
+        ("denoise_joint.frag", "es100", "es300"),
+        ("denoise_joint.frag", "gl330", "#repeat needs a number"),
     ],
 )
 def test_errors_say_what_to_do(name: str, dialect: str, message: str) -> None:

@@ -171,6 +171,6 @@ def test_tiles_over_the_limit_are_refused_with_what_would_do() -> None:
         layout(plane(), camera(), (5000, 5000), SETTINGS, VISIBILITY, tile=most + 16, limit=1024)
 
 
-def test_a_radius_of_unknown_unit_is_refused() -> None:
-    with pytest.raises(SettingsError, match="how many pixels"):
+def test_a_radius_that_is_not_settled_is_refused() -> None:
+    with pytest.raises(SettingsError, match="must be settled"):
         tiles.tap_reach(ao.Alchemy(), camera().view((64, 64)), 1.0)

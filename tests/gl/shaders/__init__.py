@@ -1,0 +1,1 @@
+"""Shaders of the tests."""
