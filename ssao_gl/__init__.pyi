@@ -52,7 +52,6 @@ __all__ = [
     "look_at",
     "method",
     "multiply",
-    "load_scene",
     "normals_from_depth",
     "occlusion",
     "plan",

@@ -12,6 +12,7 @@ from .loaders.as_scene import as_camera, as_scene
 from .methods.base import Method
 from .passes.denoise import Filter, Joint, filter_named
 from .pipeline.settings import Settings, Shading, as_method
+from .planner import Target, render_planned
 from .render.picture import Picture
 from .render.renderer import Renderer
 from .scene.projection import Size
@@ -45,11 +46,10 @@ def render(
     visibility, depth, normal, bent, color. budget_ms, max_error: method and options are chosen; see :func:`ssao_gl.plan`.
     """
     drawn = as_scene(scene)
+    target = Target(budget_ms=budget_ms, max_error=max_error) if (budget_ms, max_error) != (None, None) else None
     with Renderer(provider) as renderer:
-        return renderer.render(
-            drawn, None if camera is None else as_camera(camera), size, settings_of(method, blur, shading), aovs=aovs,
-            budget_ms=budget_ms, max_error=max_error,
-        )  # fmt: skip
+        seen = None if camera is None else as_camera(camera)
+        return render_planned(renderer, drawn, seen, size, target, settings_of(method, blur, shading), aovs=aovs)
 
 
 def apply(

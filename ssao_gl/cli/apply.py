@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import FormatError, SettingsError
 from ..io import images
+from ..planner import apply_planned
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
 from .options import GlOption, JsonOption, LookOptions, angle
@@ -68,7 +69,7 @@ def apply(
         sRGB picture of the same size. Without it only visibility is made.
     """
     settings = look.settings()
-    goal.target(look)  # is checked before anything is read
+    target = goal.target(look)  # is checked before anything is read
     if not 0 <= strength <= 1:
         raise SettingsError(f"--strength {strength:g}: must be 0 to 1")
     settings = type(settings)(method=settings.method, blur=settings.blur, shading=type(settings.shading)(ambient=strength))
@@ -79,9 +80,9 @@ def apply(
     camera = _camera((w, h), yfov_deg, intrinsics, ortho, znear, zfar)
     aovs = ("visibility", "depth", "normal", *(("bent",) if aov == "bent" else ()))
     with Renderer(gl) as renderer:
-        picture = renderer.apply(
-            seen, camera, color=picked, normals=normal, depth_kind=depth_kind, settings=settings, aovs=aovs, timed=5 if json else 0,
-            budget_ms=goal.budget_ms, max_error=goal.max_error,
+        picture = apply_planned(
+            renderer, seen, camera, target, settings, color=picked, normals=normal, depth_kind=depth_kind, aovs=aovs,
+            timed=5 if json else 0,
         )  # fmt: skip
     if aov is None and output.suffix.lower() == ".png":
         aov = "image" if color else "visibility"

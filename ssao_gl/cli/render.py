@@ -94,10 +94,8 @@ def render(
             if json:
                 write_json(json, report)
             return 0
-        picture = renderer.render(
-            loaded, camera, size, settings, aovs=aovs, timed=TIMED_FRAMES if json else 0,
-            budget_ms=goal.budget_ms, max_error=goal.max_error,
-        )  # fmt: skip
+        timed = TIMED_FRAMES if json else 0
+        picture = planner.render_planned(renderer, loaded, camera, size, target, settings, aovs=aovs, timed=timed)
     _save(picture, output, bits, json)
     if json:
         write_json(json, picture.report)

@@ -6,6 +6,7 @@ measured once and are shipped (:mod:`.errors`). See :func:`plan` and :func:`plan
 """
 
 from .choice import CLOCKS, Choice, Prediction, Target
+from .drawing import apply_planned, render_planned
 from .plan import ROUNDS, plan, plan_arrays
 
-__all__ = ["CLOCKS", "ROUNDS", "Choice", "Prediction", "Target", "plan", "plan_arrays"]
+__all__ = ["CLOCKS", "ROUNDS", "Choice", "Prediction", "Target", "apply_planned", "plan", "plan_arrays", "render_planned"]

@@ -47,15 +47,16 @@ def _version() -> str:
     return importlib.metadata.version("ssao_gl")  # which reads a file
 
 
-def _planner(budget_ms: float | None, max_error: float | None) -> tuple[Any, Any]:
-    """Return the planner and what is asked of it, for arguments of 0.1 that went to it."""
+def _planned(function: str, budget_ms: float | None, max_error: float | None) -> Callable[..., Picture]:
+    """Return the function of the planner that draws to a budget: what ``Renderer`` itself did in 0.1."""
     warnings.warn(
         "Renderer: budget_ms and max_error will go in 0.3; use ssao_gl.plan and its settings, or ssao_gl.render",
         DeprecationWarning,
         stacklevel=4,
     )
     planner = importlib.import_module("ssao_gl.planner")  # by name: the planner draws with renderers, which know nothing of it
-    return planner, planner.Target(budget_ms=budget_ms, max_error=max_error)
+    target = planner.Target(budget_ms=budget_ms, max_error=max_error)
+    return functools.partial(getattr(planner, function), target=target)
 
 
 def _current(method: Callable[Concatenate[Renderer, Arguments], Result]) -> Callable[Concatenate[Renderer, Arguments], Result]:
@@ -116,11 +117,8 @@ class Renderer:
         milliseconds of each pass. ``budget_ms``, ``max_error``: deprecated; plan with :func:`ssao_gl.plan` or :func:`ssao_gl.render`.
         """
         if budget_ms is not None or max_error is not None:
-            planner, goal = _planner(budget_ms, max_error)
-            choice = planner.plan(self, scene, camera, size, goal, settings, aovs=aovs)
-            timed = max(timed, planner.ROUNDS)
-            picture = self.render(scene, camera, size, choice.settings, aovs=aovs, timed=timed, checked=checked)
-            return choice.noted(picture)  # type: ignore[no-any-return]
+            draw = _planned("render_planned", budget_ms, max_error)
+            return draw(self, scene, camera, size, settings=settings, aovs=aovs, timed=timed, checked=checked)
         made, frame, seen = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
         drawn = frame.run(made.view, scene=seen, region=made.region, checked=checked)
@@ -206,16 +204,9 @@ class Renderer:
         there is colour. Raises FormatError for shapes that do not fit. ``timed``, ``budget_ms``, ``max_error``: see :meth:`render`.
         """
         if budget_ms is not None or max_error is not None:
-            planner, goal = _planner(budget_ms, max_error)
-            choice = planner.plan_arrays(
-                self, depth, camera, goal, settings, color=color, normals=normals, depth_kind=depth_kind
-            )
-            return choice.noted(  # type: ignore[no-any-return]
-                self.apply(
-                    depth, camera, color=color, normals=normals, depth_kind=depth_kind, settings=choice.settings, aovs=aovs,
-                    timed=max(timed, planner.ROUNDS), checked=checked,
-                )
-            )  # fmt: skip
+            draw = _planned("apply_planned", budget_ms, max_error)
+            given = {"color": color, "normals": normals, "depth_kind": depth_kind}
+            return draw(self, depth, camera, settings=settings, **given, aovs=aovs, timed=timed, checked=checked)
         depth, color, normals = check_arrays(depth, color, normals)
         h, w = depth.shape
         size = (w, h)
@@ -234,8 +225,8 @@ class Renderer:
             lambda: plan_apply(settings, size, depth=depth_kind, normals=normals is not None, outputs=outputs),
             self._check_room,
         )
-        given = {GIVEN_DEPTH: depth, GIVEN_NORMAL: normals, COLOR: color}
-        with self._uploaded({name: array for name, array in given.items() if array is not None}) as inputs:
+        arrays_given = {GIVEN_DEPTH: depth, GIVEN_NORMAL: normals, COLOR: color}
+        with self._uploaded({name: array for name, array in arrays_given.items() if array is not None}) as inputs:
             started = time.perf_counter()
             drawn = frame.run(view, inputs, checked=checked)
             names = (*aovs, *(("image",) if color is not None else ()))

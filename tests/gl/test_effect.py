@@ -13,7 +13,7 @@ import pytest
 
 import ssao_gl as ao
 from ssao_gl.gl.context import Context
-from ssao_gl.gl.executor import Stage
+from ssao_gl.gl.executor import FrameExecutor
 from ssao_gl.scene.camera import Camera, Perspective
 
 from ..conftest import openable
@@ -333,8 +333,10 @@ def test_odd_state_changes_nothing_and_is_not_changed(context: Context, given: t
     assert everything(ctx) == odd
     with pytest.MonkeyPatch.context() as patch:
         drawn: list[str] = []
-        draw = Stage.fullscreen
-        patch.setattr(Stage, "fullscreen", lambda *a, **k: 1 / 0 if len(drawn) == 3 else (drawn.append(""), draw(*a, **k)))
+        draw = FrameExecutor._fullscreen
+        patch.setattr(
+            FrameExecutor, "_fullscreen", lambda *a, **k: 1 / 0 if len(drawn) == 3 else (drawn.append(""), draw(*a, **k))
+        )
         with pytest.raises(ZeroDivisionError):
             effect.apply(camera=CAMERA, depth_kind="eye", target=target, **arguments)
     assert everything(ctx) == odd
@@ -415,7 +417,7 @@ def test_many_frames_leave_nothing_behind(context: Context, effect: ao.Effect) -
 
 
 def test_times_and_description_name_every_pass(context: Context, effect: ao.Effect) -> None:
-    assert effect.times == []
+    assert not effect.times
     depth = depth_texture(context, window_depth(CAMERA, eye_depth(CAMERA)))
     effect.apply(depth=depth, camera=CAMERA, timed=True)
     assert [p.name for p in effect.times] == ["linearize", "normals", "alchemy", "blur x", "blur y"]

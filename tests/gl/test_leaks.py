@@ -194,7 +194,7 @@ def test_shaders_that_do_not_compile(renderer: ao.Renderer) -> None:
     """Neither do they stay, nor does the program that was tried."""
     ctx = renderer.ctx
     with ctx.current():
-        kit = renderer._kit
+        kit = renderer._resources
         objects = alive(ctx, NAMES)
         for number in range(100):
             with pytest.raises(ShaderError, match=r"composite\.frag"):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
+from ssao_gl.graph.names import BLOCK_OPEN
 from ssao_gl.pipeline.settings import CULLING_RULES
 from ssao_gl.scene.camera import Camera, look_at
 from ssao_gl.scene.model import Scene
@@ -62,12 +63,11 @@ def test_open_blocks_are_found_where_they_pay(any_renderer: ao.Renderer) -> None
     scene, cam = room()
     chosen = settings("ultra", radius=0.3)
     with any_renderer.ctx.current():
-        _, frame, view, where = any_renderer._ready(scene, cam, (640, 360), chosen, ("visibility",))
-        frame.run(view, context=any_renderer._scene, **where)
-        found = frame.read("open blocks")[..., 0] > 0
+        made, frame, seen = any_renderer._ready(scene, cam, (640, 360), chosen, ("visibility",))
+        found = frame.run(made.view, scene=seen, region=made.region).read(BLOCK_OPEN)[..., 0] > 0
     assert found.mean() > 0.4
     off = any_renderer.render(scene, cam, (640, 360), settings("ultra", KEEP_ALL, 0.3), aovs=("visibility",)).visibility
-    border = where["inside"][0] if where["inside"] else 0
+    border = made.region.image_rect[0] if made.region.image_rect else 0
     blocks = np.kron(found, np.ones((16, 16), bool))[border : border + 360, border : border + 640][::-1]
     assert off[blocks].min() == 1.0
 

@@ -14,7 +14,7 @@ import pytest
 
 import ssao_gl as ao
 from ssao_gl.pipeline.build import plan_render
-from ssao_gl.planner import calibration, plan_arrays
+from ssao_gl.planner import apply_planned, calibration, plan_arrays, render_planned
 from ssao_gl.planner.candidates import CANDIDATES, FAMILIES, chosen_from
 from ssao_gl.planner.choice import Choice, choose
 from ssao_gl.planner.plan import ROUNDS, SMALLER
@@ -92,7 +92,7 @@ def test_few_frames_are_drawn(any_renderer: ao.Renderer, embedded: Scene, choice
 
 
 def test_the_picture_is_that_of_the_chosen_settings(any_renderer: ao.Renderer, embedded: Scene, choice: Choice) -> None:
-    picture = any_renderer.render(embedded, None, SIZE, max_error=1.0)
+    picture = render_planned(any_renderer, embedded, None, SIZE, ao.Target(max_error=1.0))
     planned = picture.report["planned"]
     cheapest = min(choice.considered, key=lambda p: p.ms)
     assert planned["of"] == len(CANDIDATES) and planned["chosen"] in CANDIDATES
@@ -140,16 +140,16 @@ def test_out_of_reach(any_renderer: ao.Renderer, embedded: Scene) -> None:
     with pytest.raises(
         ao.SettingsError, match=r"^at most 1e-06 ms is out of reach here; the nearest is \w+ .* ms, RMSE 0\.\d+$"
     ):
-        any_renderer.render(embedded, None, SIZE, budget_ms=1e-6)
+        render_planned(any_renderer, embedded, None, SIZE, ao.Target(budget_ms=1e-6))
     with pytest.raises(ao.SettingsError, match="an RMSE of at most 1e-06 is out of reach here; the nearest is"):
-        any_renderer.render(embedded, None, SIZE, max_error=1e-6)
+        render_planned(any_renderer, embedded, None, SIZE, ao.Target(max_error=1e-6))
 
 
 def test_arrays(any_renderer: ao.Renderer, embedded: Scene) -> None:
     seen = embedded.default_camera(SIZE)
     picture = any_renderer.render(embedded, seen, SIZE, aovs=("depth", "normal", "image"))
     for more in ({}, {"normals": picture.normal}, {"color": picture.image}):
-        found = any_renderer.apply(picture.depth, seen, budget_ms=1e9, **more)
+        found = apply_planned(any_renderer, picture.depth, seen, ALL, **more)
         planned = found.report["planned"]
         assert planned["of"] == len(chosen_from([], 1)) and CANDIDATES[planned["chosen"]][1].layers == 1
         assert found.visibility.shape == SIZE[::-1] and planned["took_ms"] > 0
@@ -163,7 +163,7 @@ def test_small_and_empty_views(any_renderer: ao.Renderer, embedded: Scene, size:
     away = camera(pose=np.diag([-1.0, 1.0, -1.0, 1.0]))
     nothing = ao.plan(any_renderer, plane(), away, size, ao.Target(max_error=1e-9))
     assert nothing.prediction.error == 0 and nothing.prediction.ms == nothing.considered[0].ms
-    assert np.all(any_renderer.render(plane(), away, size, max_error=1e-9).visibility == 1)
+    assert np.all(render_planned(any_renderer, plane(), away, size, ao.Target(max_error=1e-9)).visibility == 1)
     assert plan_arrays(any_renderer, np.zeros(size[::-1], np.float32), away, ALL).prediction.error == 0
 
 
@@ -224,3 +224,16 @@ def test_out_of_reach_is_one_line_and_no_file(tmp_path: Path, capsys: pytest.Cap
         capsys, "render", "--size", "96x64", "--tile", 64, "--budget-ms", 9, "-o", tmp_path / "a.png"
     )
     assert list(tmp_path.iterdir()) == []
+
+
+def test_arguments_of_0_1_warn_and_do_as_they_did(any_renderer: ao.Renderer, embedded: Scene) -> None:
+    with pytest.warns(DeprecationWarning, match=r"go in 0\.3; use ssao_gl\.plan"):
+        picture = any_renderer.render(embedded, None, SIZE, budget_ms=1e9)
+    assert picture.report["planned"]["budget_ms"] == 1e9
+    with pytest.warns(DeprecationWarning):
+        again = any_renderer.apply(
+            picture.depth if "depth" in picture.arrays else np.ones(SIZE[::-1], np.float32),
+            ao.Camera.perspective(0.9, 0.1, 40),
+            budget_ms=1e9,
+        )
+    assert again.report["planned"]["of"] > 1

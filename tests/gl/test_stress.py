@@ -145,8 +145,8 @@ def test_nothing_hides_behind_a_clamp(any_renderer: ao.Renderer) -> None:
     """A strength that is not a number comes out as some number in 0..1, by minima and maxima; it is seen all the same."""
 
     class Poisoned(Alchemy):
-        def uniforms(self, view: Any) -> Mapping[str, Any]:
-            return {**super().uniforms(view), "u_strength": float("nan")}
+        def constants(self) -> Mapping[str, Any]:
+            return {**super().constants(), "u_strength": float("nan")}
 
     subject = Specimen("alchemy", "default", Poisoned())
     shot = Shot(lens(), plane(0.5), size=(16, 12))

@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 import ssao_gl as ao
+from ssao_gl.io.images import load_image
 from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.model import Scene
 from ssao_gl.tiling.job import Job, draw
@@ -161,7 +162,7 @@ def test_one_file_by_suffix_and_bits(command: Any) -> None:
         assert np.abs(np.asarray(image) / 65535 - np.load("a.npy")).max() < 1e-4
     command("-o", "d.npy", "--tile", 64, "--aov", "depth")
     command("-o", "d.exr", "--tile", 64, "--aov", "depth")
-    np.testing.assert_array_equal(ao.images.load("d.exr"), np.load("d.npy"))  # type: ignore[attr-defined]
+    np.testing.assert_array_equal(load_image("d.exr"), np.load("d.npy"))
 
 
 def test_explain_says_how_many_tiles(capsys: pytest.CaptureFixture[str]) -> None:
