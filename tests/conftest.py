@@ -39,7 +39,7 @@ def openable() -> tuple[str, ...]:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--regenerate", action="store_true", help="rewrite tests/references from what is drawn now")
+    parser.addoption("--regenerate", action="store_true", help="rewrite tests/images/references from what is drawn now")
 
 
 def pytest_report_header() -> str:

@@ -21,7 +21,7 @@ from ssao_gl.metrics.images import compare, difference_picture
 from ssao_gl.passes.denoise import FILTERS
 from ssao_gl.scene.model import Scene
 
-REFERENCES = Path(__file__).parent.parent / "references"
+REFERENCES = Path(__file__).parent / "references"
 FAILURES = Path(__file__).parent.parent / "_out"
 SIZE = (320, 180)
 

@@ -17,8 +17,8 @@ from ssao_gl.scene.camera import Camera, CropLens
 from ssao_gl.tiling import layout as tiles
 from ssao_gl.tiling.layout import Layout, layout
 
+from ..scene.test_camera import LENSES, SIZE
 from ..shapes import camera, plane
-from .test_camera import LENSES, SIZE
 
 SETTINGS = ao.Settings(method=ao.Alchemy(radius=0.5))
 VISIBILITY = ("visibility",)

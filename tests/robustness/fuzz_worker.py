@@ -1,4 +1,4 @@
-"""Tries broken scene files in a process of its own, which may be killed: ``python -m tests.fuzz_worker``; see fuzz_loaders."""
+"""Tries broken scene files in a process of its own, which may be killed: ``python -m tests.robustness.fuzz_worker``; see fuzz_loaders."""
 
 from __future__ import annotations
 

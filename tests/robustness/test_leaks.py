@@ -17,7 +17,7 @@ import ssao_gl as ao
 from ssao_gl.errors import ShaderError, SsaoError
 
 from .. import shapes
-from .guest import alive
+from ..guest_program import alive
 
 SIZE = (16, 12)
 CAMERA = ao.Camera.perspective(0.9, 0.1, 40.0)

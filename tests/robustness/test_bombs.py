@@ -158,7 +158,7 @@ DRAWN: dict[str, tuple[str, bytes]] = {
 SCRIPT = """
 import json, sys
 from pathlib import Path
-from tests.fuzz_worker import Watch, limit_memory, trial
+from tests.robustness.fuzz_worker import Watch, limit_memory, trial
 watch = Watch()
 limit_memory()
 for name in sys.argv[1:]:

@@ -1,6 +1,6 @@
 """Broken scene files by the thousand: each must give a scene or one clear line, in bounded time and memory.
 
-``python -m tests.fuzz_loaders --files 20000 --seed 1 [--draw] [--keep FOLDER] [SCENE ...]``
+``python -m tests.robustness.fuzz_loaders --files 20000 --seed 1 [--draw] [--keep FOLDER] [SCENE ...]``
 
 Files are made from small seeds of every format, and from the scenes that are given, by seed and number alone:
 ``--first N --files 1`` makes file N again. Each is loaded in a process that is watched: more than 10 s or 2 GiB, a crash, a
@@ -29,11 +29,20 @@ from .fuzz_worker import SECONDS, case, write
 def results(first: int, last: int, seed: int, *, draw: bool, only: str = "", scenes: list[Path]) -> Iterator[dict[str, Any]]:
     """A verdict for each of the files first..last-1, in order; a worker that dies or hangs is replaced."""
     while first < last:
-        line = [sys.executable, "-m", "tests.fuzz_worker", str(first), str(last), str(seed), "draw" if draw else "load", only]
+        line = [
+            sys.executable,
+            "-m",
+            "tests.robustness.fuzz_worker",
+            str(first),
+            str(last),
+            str(seed),
+            "draw" if draw else "load",
+            only,
+        ]
         line += [str(path.resolve()) for path in scenes]
         with (
             tempfile.TemporaryFile("w+") as errors,
-            subprocess.Popen(line, stdout=subprocess.PIPE, stderr=errors, text=True, cwd=Path(__file__).parents[1]) as worker,
+            subprocess.Popen(line, stdout=subprocess.PIPE, stderr=errors, text=True, cwd=Path(__file__).parents[2]) as worker,
         ):
             for found in _answers(worker, first, last):
                 first = found["index"] + 1

@@ -14,7 +14,7 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-from .scene_files import LIST, XYZ, Tree, binary, glb, ply, tarred, tree, zipped
+from ..scene_files import LIST, XYZ, Tree, binary, glb, ply, tarred, tree, zipped
 
 Files = dict[str, bytes]
 

@@ -17,7 +17,7 @@ from ssao_gl.gl.executor import FrameExecutor
 from ssao_gl.scene.camera import Camera, Perspective
 
 from ..conftest import openable
-from .guest import FRAMEBUFFER, TEXTURE_2D, I, P, U, alive, disturb, everything, framebuffer, generate
+from ..guest_program import FRAMEBUFFER, TEXTURE_2D, I, P, U, alive, disturb, everything, framebuffer, generate
 
 SIZE = (64, 48)
 SETTINGS = ao.Settings(method=ao.Alchemy(radius=1.0))

@@ -15,7 +15,7 @@ from ssao_gl.scene.camera import Camera, look_at
 from ssao_gl.scene.model import Scene
 
 from ..command_line import run
-from .test_leaving import room, settings
+from ..passes.test_culling import room, settings
 
 SIZE = (320, 180)
 AFAR = Camera.perspective(0.9, 0.1, 100, look_at((9, 6, 12), (0, 0, 0)))

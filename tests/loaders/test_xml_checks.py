@@ -14,7 +14,7 @@ from ssao_gl.loaders import mesh_files
 from ssao_gl.loaders.load import load_scene
 from ssao_gl.loaders.xml_checks import check_3mf, check_dae
 
-from ..fuzz_seeds import DAE, seeds
+from ..robustness.fuzz_seeds import DAE, seeds
 from ..scene_files import zipped
 
 MESH = "<mesh><vertices/><triangles/></mesh>"

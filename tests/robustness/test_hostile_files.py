@@ -18,7 +18,6 @@ import pytest
 from ssao_gl.loaders.load import load_scene
 
 from ..command_line import refused, run
-from ..fuzz_loaders import results
 from ..scene_files import (
     ASCII_PLY,
     BIG,
@@ -39,6 +38,7 @@ from ..scene_files import (
     tree,
     zipped,
 )  # fmt: skip
+from .fuzz_loaders import results
 
 REFUSED: dict[str, tuple[str, bytes, str]] = {
     "empty": ("a.glb", b"", "the file is empty"),
@@ -217,7 +217,7 @@ def test_broken_scene(case: str, folder: Path, capsys: pytest.CaptureFixture[str
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_fuzzed(seed: int) -> None:
-    """What ``python -m tests.fuzz_loaders`` does for longer: files of every format, broken in every way."""
+    """What ``python -m tests.robustness.fuzz_loaders`` does for longer: files of every format, broken in every way."""
     found = list(results(0, 400, seed, draw=True, scenes=[]))
     assert [f for f in found if f["verdict"] == "violation"] == []
     assert len(found) == 400 and 50 < sum(f["verdict"] == "scene" for f in found) < 350

@@ -1,4 +1,4 @@
-"""The command line, as people use it. What it does with bad input is in unit/test_bad_input.py."""
+"""The command line, as people use it. What it does with bad input is in tests/robustness/test_bad_input.py."""
 
 from __future__ import annotations
 

@@ -20,8 +20,8 @@ from ssao_gl.tiling.job import Job, draw
 from ssao_gl.tiling.layout import layout
 
 from ..command_line import refused, run
+from ..contract.test_tiles import ALL, settings
 from ..shapes import camera, plane
-from .test_tiles import ALL, settings
 
 SMALL = (160, 100)
 
