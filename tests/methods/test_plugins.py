@@ -120,7 +120,7 @@ def test_stress_and_the_contract_tests_ask_it(site: Path, tmp_path: Path) -> Non
     assert rows["plane"]["verdict"] == "FAIL" and rows["plane"]["method"] == "glow", "it is grey, and does not say so"
     root = Path(__file__).parents[2]
     collected = run(site, "-m", "pytest", "--collect-only", "-q", "-k", "glow", root / "tests", "-p", "no:cacheprovider")
-    assert re.search(r"test_contract\.py: \d\d+", collected.stdout), collected.stdout[-2000:]
+    assert re.search(r"contract/test_methods\.py: \d\d+", collected.stdout), collected.stdout[-2000:]
 
 
 def test_the_report_measures_it(site: Path, tmp_path: Path) -> None:
