@@ -10,21 +10,21 @@ from .executor import FrameExecutor
 from .frame_targets import FrameTargets
 from .programs import GpuResources
 
-Key = TypeVar("Key", bound=Hashable)
+FrameKey = TypeVar("FrameKey", bound=Hashable)
 
 MOST_EXECUTORS = 16
 """Of one layout, at most so many stay: settings that change all the time must not pile up."""
 
 
-class FrameCache(Generic[Key]):
+class FrameCache(Generic[FrameKey]):
     """Executors by key. The targets of the ``keep`` layouts that were used last stay, and serve every plan of their layout."""
 
     def __init__(self, resources: GpuResources, keep: int = 1) -> None:
         self._resources, self._keep = resources, keep
-        self._kept: list[tuple[FrameTargets, dict[Key, FrameExecutor]]] = []
+        self._kept: list[tuple[FrameTargets, dict[FrameKey, FrameExecutor]]] = []
         """By last use: the last one used is last."""
 
-    def get(self, key: Key, make: Callable[[], Plan], check: Callable[[Plan], None] = lambda plan: None) -> FrameExecutor:
+    def get(self, key: FrameKey, make: Callable[[], Plan], check: Callable[[Plan], None] = lambda plan: None) -> FrameExecutor:
         """Return the executor of a key; ``make`` gives its plan where there is none yet, ``check`` may refuse to draw it."""
         found = next((i for i, (_, executors) in enumerate(self._kept) if key in executors), None)
         if found is not None:
@@ -47,7 +47,7 @@ class FrameCache(Generic[Key]):
         return executors[key]
 
     @property
-    def keys(self) -> list[Key]:
+    def keys(self) -> list[FrameKey]:
         """All that have an executor."""
         return [key for _, executors in self._kept for key in executors]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import ShaderError, near_miss
 from ..glsl import preprocess
-from ..graph.draws import Table
+from ..graph.draws import FloatTable
 from ..io.images import flipped
 from .context import Context
 
@@ -72,7 +72,7 @@ class Program:
             if uniform is None:
                 if name not in self.declared:
                     raise ShaderError(f"{self.name} declares no uniform '{name}'.{near_miss(name, self.declared)}")
-            elif isinstance(value, Table):
+            elif isinstance(value, FloatTable):
                 uniform.write(value.data)
             else:
                 uniform.value = value
@@ -93,7 +93,7 @@ class GpuResources:
         self._corner = mgl.buffer(np.array([-1, -1, 3, -1, -1, 3], "f4").tobytes())
         self._programs: dict[Any, Program] = {}
         self._triangles: dict[Any, moderngl.VertexArray] = {}
-        self._tables: dict[Table, moderngl.Texture] = {}
+        self._tables: dict[FloatTable, moderngl.Texture] = {}
         # Samplers of our own: a caller's sampler left on a unit, or a caller's texture with comparison or filtering
         # on, would otherwise change what we read.
         self._clamp = self._sampler(repeat=False)
@@ -123,7 +123,7 @@ class GpuResources:
             vao = self._triangles[key] = self.ctx.mgl.vertex_array(program.mgl, [(self._corner, "2f", "a_corner")])
         return program, vao
 
-    def table(self, values: Table) -> moderngl.Texture:
+    def table(self, values: FloatTable) -> moderngl.Texture:
         """Return a small float texture of ``values`` (h, w, channels), made once, to be read with ``repeat``."""
         texture = self._tables.get(values)
         if texture is None:

@@ -9,9 +9,8 @@ import numpy as np
 
 from ..graph.draws import ViewValue
 from ..graph.plan import PlannedPass
-from ..scene.projection import ViewConstants
+from ..scene.projection import Size, ViewConstants
 
-Size = tuple[int, int]
 Value = float | tuple[float, ...]
 
 

@@ -55,14 +55,14 @@ class ViewValue:
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class FloatTable:
     """An array of 32-bit floats as an immutable value. ``data``: its bytes, little-endian, last axis first."""
 
     shape: tuple[int, ...]
     data: bytes = field(repr=False)
 
     @classmethod
-    def of(cls, values: ArrayLike) -> Table:
+    def of(cls, values: ArrayLike) -> FloatTable:
         """Return the table of an array of any shape."""
         array = np.ascontiguousarray(values, "<f4")
         return cls(array.shape, array.tobytes())
@@ -72,7 +72,7 @@ class Table:
         return np.frombuffer(self.data, "<f4").reshape(self.shape)
 
 
-Uniform = bool | int | float | tuple[float, ...] | Table | ViewValue
+Uniform = bool | int | float | tuple[float, ...] | FloatTable | ViewValue
 """Numbers, vectors and matrices (column by column), arrays, or what depends on the view."""
 
 
@@ -86,7 +86,7 @@ class Fullscreen:
     shader: str
     samplers: Mapping[str, str] = field(default_factory=dict)
     uniforms: Mapping[str, Uniform] = field(default_factory=dict)
-    tables: Mapping[str, Table] = field(default_factory=dict)
+    tables: Mapping[str, FloatTable] = field(default_factory=dict)
     defines: Mapping[str, Define] = field(default_factory=dict)
 
 
@@ -116,10 +116,10 @@ def as_uniforms(values: Mapping[str, object]) -> dict[str, Uniform]:
 def _as_uniform(name: str, value: object) -> Uniform:
     match value:
         case np.ndarray():
-            return Table.of(value)
+            return FloatTable.of(value)
         case np.generic():
             return value.item()  # type: ignore[no-any-return]
-        case ViewValue() | Table() | bool() | int() | float():
+        case ViewValue() | FloatTable() | bool() | int() | float():
             return value
         case tuple() | list():
             return tuple(float(part) for part in value)

@@ -1,7 +1,7 @@
 """Plans as JSON: what a frame is made of, for files, for comparison and for executors elsewhere.
 
 Records become objects of their fields; what may be one of several records carries its ``kind``. Tables are their shape and
-their bytes (32-bit floats, little-endian, last axis first) in base 64. ``plan == from_json(to_json(plan))``.
+their bytes (32-bit floats, little-endian, last axis first) in base 64. ``plan == plan_from_json(plan_to_json(plan))``.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from typing import Any, Literal
 
 from ..errors import GraphError, one_line
 from .declare import DepthTest, Pass, Texture
-from .draws import DrawScene, Fullscreen, Table, ViewValue
+from .draws import DrawScene, FloatTable, Fullscreen, ViewValue
 from .plan import Plan, PlannedPass, Slot
 
 FORMAT = "ssao_gl plan 1"
-RECORDS = {kind.__name__: kind for kind in (Fullscreen, DrawScene, Table, ViewValue)}
+RECORDS = {kind.__name__: kind for kind in (Fullscreen, DrawScene, FloatTable, ViewValue)}
 """Records that stand where others could, by their kind."""
 FIXED = (Plan, PlannedPass, Pass, Slot, Texture, DepthTest)
 """Records whose place tells what they are."""
 
 
-def to_json(plan: Plan) -> str:
+def plan_to_json(plan: Plan) -> str:
     """Return a plan as JSON text."""
     return json.dumps({"format": FORMAT, "plan": _encoded(plan)}, indent=1, allow_nan=False)
 
 
-def from_json(text: str) -> Plan:
-    """Return the plan of a text that :func:`to_json` made. Raises GraphError for any other."""
+def plan_from_json(text: str) -> Plan:
+    """Return the plan of a text that :func:`plan_to_json` made. Raises GraphError for any other."""
     try:
         content = json.loads(text)
         if not isinstance(content, dict) or content.get("format") != FORMAT:
@@ -47,8 +47,8 @@ def from_json(text: str) -> Plan:
 
 def _encoded(value: Any) -> Any:
     match value:
-        case Table(shape, data):
-            return {"kind": "Table", "shape": list(shape), "data": base64.b64encode(data).decode()}
+        case FloatTable(shape, data):
+            return {"kind": "FloatTable", "shape": list(shape), "data": base64.b64encode(data).decode()}
         case Mapping():
             return {key: _encoded(item) for key, item in value.items()}
         case tuple() | list():
@@ -83,8 +83,8 @@ def _decoded(kind: Any, value: Any) -> Any:
 
 
 def _record(kind: Any, value: Any) -> Any:
-    if kind is Table:
-        return Table(tuple(map(int, value["shape"])), base64.b64decode(value["data"], validate=True))
+    if kind is FloatTable:
+        return FloatTable(tuple(map(int, value["shape"])), base64.b64decode(value["data"], validate=True))
     hints = _hints(kind)
     fields = {key: item for key, item in value.items() if key != "kind"}
     if set(fields) != set(hints):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import SettingsError, near_miss
 from ..graph.declare import DepthTest, Pass, Texture
-from ..graph.draws import Define, Fullscreen, Table, Uniform, ViewValue
+from ..graph.draws import Define, FloatTable, Fullscreen, Uniform, ViewValue
 from ..graph.names import (
     BENT_NORMAL,
     NORMAL,
@@ -124,7 +124,7 @@ class Joint:
         uniforms: dict[str, Uniform] = {
             "u_next": ViewValue("target_texel", axis=axis),
             "u_step": ViewValue("target_step", axis=axis),
-            "u_weights": Table.of(weights),
+            "u_weights": FloatTable.of(weights),
             "u_per_pixel": ViewValue("pixel", self.tolerance * scale, inverse=True),
         }
         defines: dict[str, Define] = {"PACKED": 1, "RADIUS": radius, **({"LAST": 1} if last else {}), **more.defines}
@@ -188,7 +188,7 @@ def _intensity_pass(
     last, radius = result == VISIBILITY, blur.radius
     defines: dict[str, Define] = {"PACKED": 1, "WIDTH": axes[0] * radius, "HEIGHT": axes[1] * radius, "RADIUS": radius}
     defines |= {"LAST": 1} if last else {}
-    weights = Table.of(gaussian(radius, blur.sigma_space))
+    weights = FloatTable.of(gaussian(radius, blur.sigma_space))
     uniforms: dict[str, Uniform] = {"u_weights": weights, "u_range": 0.5 / blur.sigma_range**2}
     draw = Fullscreen("denoise_intensity.frag", {"u_packed": source}, uniforms, defines=defines)
     target, clear = (Texture("r8"), (1.0,) * 4) if last else (Texture("r32f"), (0.0,) * 4)

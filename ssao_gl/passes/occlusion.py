@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from ..errors import SettingsError
 from ..graph.declare import DepthTest, Pass, Texture
-from ..graph.draws import Define, Fullscreen, Table, as_uniforms
+from ..graph.draws import Define, FloatTable, Fullscreen, as_uniforms
 from ..graph.names import (
     BENT_NORMAL,
     DEPTH,
@@ -77,5 +77,5 @@ def _draw(method: Method, *, small: bool = False, defines: Mapping[str, Define] 
     more = defines or {}
     outputs = (BENT_NORMAL,) if "BENT" in more else ()
     samplers = {uniform: PIXEL[small].get(resource, resource) for uniform, resource in method.samplers.items()}
-    tables = {uniform: Table.of(values) for uniform, values in method.tables(outputs).items()}
+    tables = {uniform: FloatTable.of(values) for uniform, values in method.tables(outputs).items()}
     return Fullscreen(method.shader, samplers, as_uniforms(method.constants()), tables, {**method.defines(), **more})

@@ -18,7 +18,7 @@ from ssao_gl.graph.declare import PREVIOUS, Pass, Texture
 from ssao_gl.graph.draws import Fullscreen, ViewValue
 from ssao_gl.graph.frame_graph import compile
 from ssao_gl.graph.plan import Plan
-from ssao_gl.graph.plan_json import from_json, to_json
+from ssao_gl.graph.plan_json import plan_from_json, plan_to_json
 from ssao_gl.pipeline.frame_setup import frame_setup
 
 from .. import shapes
@@ -101,7 +101,7 @@ def test_a_plan_from_json_draws_the_same_bytes(resources: GpuResources, method: 
     scene = shapes.corner()
     made = frame_setup(scene, CAMERA, SIZE, settings, 1024)
     plan = made.plan(("image", "visibility"))
-    again = from_json(to_json(plan))
+    again = plan_from_json(plan_to_json(plan))
     assert again == plan and again.layout == plan.layout
     buffers = SceneBuffers(resources, scene)
     images = []

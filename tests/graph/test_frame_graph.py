@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from ssao_gl.errors import GraphError
 from ssao_gl.graph import names as resources
 from ssao_gl.graph.declare import PREVIOUS, Pass, Texture
-from ssao_gl.graph.draws import Fullscreen, Table, ViewValue
+from ssao_gl.graph.draws import FloatTable, Fullscreen, ViewValue
 from ssao_gl.graph.frame_graph import compile
 from ssao_gl.graph.plan import Plan
 from ssao_gl.methods.bitmask import Bitmask
@@ -148,8 +148,8 @@ def test_a_3d_texture_counts_all_its_layers() -> None:
 
 def test_tables_are_values() -> None:
     values = [[0.25, 1.0], [2.0, -3.0]]
-    assert Table.of(values) == Table.of(values) and hash(Table.of(values)) == hash(Table.of(values))
-    assert Table.of(values).array().tolist() == values and Table.of(values) != Table.of([[0.25, 1.0]])
+    assert FloatTable.of(values) == FloatTable.of(values) and hash(FloatTable.of(values)) == hash(FloatTable.of(values))
+    assert FloatTable.of(values).array().tolist() == values and FloatTable.of(values) != FloatTable.of([[0.25, 1.0]])
     with pytest.raises(GraphError, match="Did you mean 'pixel'"):
         ViewValue("pixels")
 
