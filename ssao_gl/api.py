@@ -21,7 +21,7 @@ from .scene.projection import Size
 def settings_of(
     method: Method | str | None = None, blur_with: Filter | str | None = "joint", shading: Shading | None = None
 ) -> Settings:
-    """Settings from parts or their names."""
+    """Return settings from parts or their names."""
     chosen = filter_named(blur_with) if isinstance(blur_with, str) else blur_with
     return Settings(method=as_method(method), blur=chosen, shading=shading or Shading())
 

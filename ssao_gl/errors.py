@@ -52,7 +52,7 @@ class SceneError(SsaoError):
 
 
 def one_line(text: object, limit: int = 300) -> str:
-    """What a file or a library says, fit for a message: one line, printable, at most ``limit`` characters."""
+    """Return what a file or a library says, fit for a message: one line, printable, at most ``limit`` characters."""
     line = "".join(c if c.isprintable() else "?" for c in " ".join(str(text).split()))
     return line if len(line) <= limit else line[: limit - 4] + " ..."
 

@@ -31,7 +31,7 @@ class Limits:
     choices: tuple[str, ...] = ()
 
     def describe(self) -> str:
-        """The range in words."""
+        """Return the range in words."""
         if self.choices:
             return "one of " + ", ".join(self.choices)
         parts = [f"above {self.above:g}"] if self.above is not None else []
@@ -45,18 +45,18 @@ class Limits:
 
 
 def setting(default: Any, doc: str, **limits: Any) -> Any:
-    """A dataclass field with documentation and limits (see :class:`Limits`)."""
+    """Return a dataclass field with documentation and limits (see :class:`Limits`)."""
     return dataclasses.field(default=default, metadata={"limits": Limits(doc, **limits)})
 
 
 def limits(field: dataclasses.Field[Any]) -> Limits:
-    """What :func:`setting` noted for ``field``."""
+    """Return what :func:`setting` noted for ``field``."""
     found = field.metadata.get("limits")
     return found if found is not None else Limits("")
 
 
 def title(record: object) -> str:
-    """The name users know a settings record by."""
+    """Return the name users know a settings record by."""
     kind = record if isinstance(record, type) else type(record)
     return getattr(kind, "name", None) or kind.__name__.lower()
 
@@ -110,7 +110,7 @@ def assign(record: Record, values: Mapping[str, Any]) -> Record:
 
 
 def as_table(record: Any) -> dict[str, Any]:
-    """The fields of a record, plain values only: for JSON, TOML and the text chunks of pictures."""
+    """Return the fields of a record, plain values only: for JSON, TOML and the text chunks of pictures."""
     return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
 
 

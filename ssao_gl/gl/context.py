@@ -120,7 +120,7 @@ def attach(
     close: Callable[[], None] = lambda: None,
     leave: Callable[[], None] = lambda: None,
 ) -> Context:
-    """A :class:`Context` over whatever context is current, its functions found by ``get_proc``.
+    """Return a :class:`Context` over whatever context is current, its functions found by ``get_proc``.
 
     Raises ContextError when nothing is current or the version is too old (OpenGL ES 3.0 or OpenGL 3.3 is needed).
     """

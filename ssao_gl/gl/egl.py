@@ -54,7 +54,7 @@ class Egl:
         return function
 
     def extension(self, name: str, result: Any, *arguments: Any) -> Any:
-        """A function of an EGL extension, or None."""
+        """Return a function of an EGL extension, or None."""
         address = self.get_proc(name)
         return ctypes.CFUNCTYPE(result, *arguments)(address) if address else None
 
@@ -76,7 +76,8 @@ class Egl:
 
 
 def displays(egl: Egl) -> Iterator[tuple[str, Display]]:
-    """Displays worth a try, best first: real GPUs, then Mesa's surfaceless platform, then software devices, then the default."""
+    """Yield displays worth a try, best first: real GPUs, then Mesa's surfaceless platform, then software devices, then the
+    default."""
     extensions = egl.query(None, EGL_EXTENSIONS)
     get = egl.extension("eglGetPlatformDisplayEXT", P, U, P, ctypes.POINTER(I))
     devices = _devices(egl, extensions)
@@ -124,7 +125,8 @@ def angle_display(egl: Egl) -> Iterator[tuple[str, Display]]:
 
 
 def open_context(egl: Egl, candidates: Iterator[tuple[str, Display]], *, es: bool) -> EglContext:
-    """The first display of ``candidates`` that gives a context of OpenGL ES >= 3.0 (or core >= 3.3); OSError says why none did."""
+    """Return the first display of ``candidates`` that gives a context of OpenGL ES >= 3.0 (or core >= 3.3); OSError says why
+    none did."""
     reasons = []
     back = _way_back(egl)
     for platform, display in candidates:
@@ -137,7 +139,7 @@ def open_context(egl: Egl, candidates: Iterator[tuple[str, Display]], *, es: boo
 
 
 def _way_back(egl: Egl, own: int = 0) -> Callable[[], None]:
-    """What makes current again what is current now; does nothing when that is ``own``, or nothing at all."""
+    """Return what makes current again what is current now; does nothing when that is ``own``, or nothing at all."""
     api = egl.function("eglQueryAPI", U)()
     context = egl.function("eglGetCurrentContext", P)()
     if not context or context == own:
@@ -197,7 +199,7 @@ def _open_on(egl: Egl, platform: str, display: Display, back: Callable[[], None]
 
 
 def _config(egl: Egl, display: Display, renderable: int) -> int:
-    """A config for contexts without a window: surfaceless where that exists, else with a pbuffer."""
+    """Return a config for contexts without a window: surfaceless where that exists, else with a pbuffer."""
     choose = egl.function("eglChooseConfig", U, P, P, P, I, P)
     for surface_type in (0, EGL_PBUFFER_BIT):
         wanted = (I * 5)(EGL_SURFACE_TYPE, surface_type, EGL_RENDERABLE_TYPE, renderable, EGL_NONE)

@@ -238,7 +238,8 @@ class GlState:
                 self._gl("glColorMaski", None, U, B, B, B, B)(i, *mask)
 
     def made_by_moderngl(self) -> State:
-        """What no pass changes, but the making of a moderngl context does: blending and the index of primitive restart."""
+        """Return what no pass changes, but the making of a moderngl context does: blending and the index of primitive
+        restart."""
         names = (BLEND_SRC_RGB, BLEND_DST_RGB, BLEND_SRC_A, BLEND_DST_A)
         count = self._blends
         blend = [[self._indexed(p, i) for p in names] for i in range(count)] or [[self._gl.integers(p)[0] for p in names]]

@@ -16,7 +16,7 @@ OSMESA_CONTEXT_MAJOR_VERSION, OSMESA_CONTEXT_MINOR_VERSION, GL_UNSIGNED_BYTE = 0
 
 
 def open_context() -> EglContext:
-    """A core 3.3 (or later) context. Raises OSError with the reason."""
+    """Return a core 3.3 (or later) context. Raises OSError with the reason."""
     lib = _library()
 
     def function(name: str, result: Any, *arguments: Any) -> Any:

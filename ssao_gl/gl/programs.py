@@ -105,7 +105,7 @@ class GpuResources:
         return sampler
 
     def program(self, vertex: str, fragment: str, defines: Mapping[str, preprocess.Define]) -> Program:
-        """The program of two shaders under ``defines``, compiled once. Raises ShaderError."""
+        """Return the program of two shaders under ``defines``, compiled once. Raises ShaderError."""
         key = (vertex, fragment, tuple(sorted(defines.items())))
         program = self._programs.get(key)
         if program is None:
@@ -115,7 +115,7 @@ class GpuResources:
         return program
 
     def triangle(self, fragment: str, defines: Mapping[str, preprocess.Define]) -> tuple[Program, moderngl.VertexArray]:
-        """A full-screen program and its vertex array."""
+        """Return a full-screen program and its vertex array."""
         key = (fragment, tuple(sorted(defines.items())))
         vao = self._triangles.get(key)
         program = self.program("fullscreen.vert", fragment, defines)
@@ -132,7 +132,8 @@ class GpuResources:
         return texture
 
     def upload(self, array: NDArray[Any]) -> moderngl.Texture:
-        """An array (h, w) or (h, w, channels), row 0 on top, as a texture of the caller's to release: uint8 as 8 bits, else floats."""
+        """Return an array (h, w) or (h, w, channels), row 0 on top, as a texture of the caller's to release: uint8 as 8
+        bits, else floats."""
         h, w = array.shape[:2]
         dtype = "f1" if array.dtype == np.uint8 else "f4"
         data = flipped(array if dtype == "f1" else array.astype(np.float32))

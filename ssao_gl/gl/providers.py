@@ -73,7 +73,7 @@ def _angle() -> Context:
 
 @contextmanager
 def _silent() -> Iterator[None]:
-    """Standard error of the whole process, libraries in C too, goes nowhere."""
+    """Send standard error of the whole process, libraries in C too, nowhere."""
     kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 2)
     try:
@@ -183,7 +183,7 @@ def wrap_moderngl(mgl: moderngl.Context, *, provider: str = "current", close: Ca
 
 
 def find_get_proc() -> GetProc:
-    """The ``get_proc`` of whichever library has a current context in this thread: EGL, GLX, WGL, OSMesa or macOS."""
+    """Return the ``get_proc`` of whichever library has a current context in this thread: EGL, GLX, WGL, OSMesa or macOS."""
     if sys.platform == "darwin":
         return _exports(ctypes.CDLL("/System/Library/Frameworks/OpenGL.framework/OpenGL"))
     if sys.platform == "win32":

@@ -119,7 +119,7 @@ class SceneBuffers:
 
 
 def fit_depth_range(view: ViewConstants, nearest: float, farthest: float) -> Matrix:
-    """The projection of ``view`` with its depth row rebuilt so that the depth buffer spans just what can be seen.
+    """Return the projection of ``view`` with its depth row rebuilt so that the depth buffer spans just what can be seen.
 
     The clip planes stay where the camera put them unless the scene lies between them. Reversed, infinite and 0..1
     projections become OpenGL's -1..1, so one depth test serves all; x, y and w are untouched.
@@ -165,7 +165,7 @@ TARGETS = {
 
 
 def _defines(draw: Mesh, writes: Sequence[str], given: Mapping[str, Define]) -> dict[str, int]:
-    """What the shader of a mesh must do, and no more."""
+    """Return what the shader of a mesh must do, and no more."""
     defines: dict[str, int] = {"TARGETS": len(writes)} | {TARGETS[name]: index for index, name in enumerate(writes)}
     smooth = {SHADING_NORMAL, COLOR} | (set() if "GEOMETRIC" in given else {NORMAL})
     if NORMAL in writes or smooth & set(writes):
@@ -178,7 +178,8 @@ def _defines(draw: Mesh, writes: Sequence[str], given: Mapping[str, Define]) -> 
 
 
 def _snorm16(normals: NDArray[np.float32]) -> NDArray[np.int16]:
-    """Unit normals as 16-bit integers (n, 4), error below 2e-5; what is not finite becomes 0 and is replaced on the GPU."""
+    """Return unit normals as 16-bit integers (n, 4), error below 2e-5; what is not finite becomes 0 and is replaced on the
+    GPU."""
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     unit = np.divide(normals, length, out=np.zeros_like(normals), where=np.isfinite(length) & (length > 0))
     out = np.zeros((len(normals), 4), np.int16)

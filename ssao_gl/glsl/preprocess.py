@@ -27,7 +27,8 @@ _DIRECTIVE = re.compile(r'^\s*#(include|repeat)\s+(?:"([^"]+)"|(\w+)\s+(.*))\s*$
 
 @cache
 def root() -> Path:
-    """The folder of the shaders: beside the package in a checkout, inside it when installed; SSAO_GL_SHADERS overrides."""
+    """Return the folder of the shaders: beside the package in a checkout, inside it when installed; SSAO_GL_SHADERS
+    overrides."""
     here = Path(__file__).resolve().parent.parent
     chosen = os.environ.get("SSAO_GL_SHADERS")
     for folder in [Path(chosen)] if chosen else [here / "shaders", here.parent / "shaders"]:
@@ -70,7 +71,7 @@ class ShaderSource:
     """For each line of ``text``: file name and line number."""
 
     def locate(self, log: str) -> str:
-        """A driver's log with its line numbers replaced by our file names and lines."""
+        """Return a driver's log with its line numbers replaced by our file names and lines."""
 
         def replace(match: re.Match[str]) -> str:
             index = int(match[1]) - 1

@@ -104,7 +104,7 @@ class _Placement:
 def _culled(
     passes: Iterable[Pass], steps: Sequence[PlannedPass], frame: tuple[int, int]
 ) -> tuple[dict[str, str], dict[str, int]]:
-    """What was left out, passes and then targets of those that stay: name -> reason, name -> bytes."""
+    """Return what was left out, passes and then targets of those that stay: name -> reason, name -> bytes."""
     culled, saved = {}, {}
     run = [step.task.name for step in steps]
     for task in passes:

@@ -60,7 +60,7 @@ def compare(actual: Any, expected: Any, metrics: Sequence[str] = ()) -> Differen
 
 
 def metric(name: str) -> Callable[[Array, Array], float]:
-    """A metric by name, of two pictures in 0..1. Raises SettingsError for an unknown name."""
+    """Return a metric by name, of two pictures in 0..1. Raises SettingsError for an unknown name."""
     known: dict[str, Callable[[Array, Array], float]] = {
         "rmse": image_rmse,
         "psnr": image_psnr,

@@ -80,7 +80,7 @@ def bias(visibility: F64, truth: F64, where: Mask) -> float:
 
 
 def percentile(visibility: F64, truth: F64, where: Mask, share: float) -> float:
-    """The ``|a - t|`` that ``share`` percent of the pixels stay below."""
+    """Return the ``|a - t|`` that ``share`` percent of the pixels stay below."""
     return _of(lambda a, t: float(np.percentile(np.abs(a - t), share)), visibility, truth, where)
 
 
@@ -173,7 +173,7 @@ def _of(metric: Callable[[Any, Any], float], visibility: F64, truth: F64, where:
 
 
 def _box(image: F64) -> F64:
-    """Sums over every whole window of ``FLAT_WINDOW`` x ``FLAT_WINDOW`` pixels."""
+    """Return sums over every whole window of ``FLAT_WINDOW`` x ``FLAT_WINDOW`` pixels."""
     for axis in (0, 1):
         rows = np.moveaxis(image, axis, 0)
         count = len(rows) - FLAT_WINDOW + 1

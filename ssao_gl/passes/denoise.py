@@ -201,7 +201,8 @@ FILTERS: Mapping[str, type[Joint] | type[LectureBlur] | type[Separable]] = {
 
 
 def filter_named(name: str) -> Filter | None:
-    """The filter called ``name`` with its default settings; None for ``"none"``. Raises SettingsError for an unknown name."""
+    """Return the filter called ``name`` with its default settings; None for ``"none"``. Raises SettingsError for an unknown
+    name."""
     if name == "none":
         return None
     if name not in FILTERS:

@@ -70,7 +70,7 @@ def rule_statuses(made: FrameSetup, plan: Plan) -> list[RuleStatus]:
 
 
 def plan_memory(settings: Settings, size: Size, plan: Plan) -> PlanMemory:
-    """What ``plan`` takes and saves. ``size``: of the image, without what is drawn around it."""
+    """Return what ``plan`` takes and saves. ``size``: of the image, without what is drawn around it."""
     own = {plan.where[name] for name in plan.outputs}
     for step in plan.steps:
         if step.task.role == "gbuffer":

@@ -23,7 +23,10 @@ NAMES = ("method", "preset", "blur", "normals", "precision", "keep")
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """A settings file: ``method`` and ``filter_named`` by name, and tables ``[blur]``... see :func:`settings_from`. Raises SettingsError."""
+    """Read a settings file: ``method`` and ``blur`` by name, and tables ``[blur]``... see :func:`settings_from`.
+
+    Raises SettingsError.
+    """
     if reason := why_unreadable(path, empty=True):
         raise SettingsError(f"{path}: {reason}; expected a TOML file with settings")
     try:
@@ -42,7 +45,8 @@ def settings_from(
     overrides: Mapping[str, Any] | None = None,
     keep: Iterable[str] = (),
 ) -> Settings:
-    """Settings in rising order of precedence: defaults, the preset, ``table`` (from TOML), names, ``group.key=value`` texts, overrides.
+    """Return settings in rising order of precedence: defaults, the preset, ``table`` (from TOML), names, ``group.key=value``
+    texts, overrides.
 
     Groups are ``shading``, ``filter_named`` (the chosen filter) and the name of the chosen method; a key without a group is the
     method's, but for ``normals`` and ``precision``. ``overrides`` are fields of the method. Raises SettingsError naming what is
@@ -95,7 +99,7 @@ class _Chosen:
             )
 
     def put_entry(self, key: str, value: Any) -> None:
-        """An entry of a TOML file."""
+        """Put an entry of a TOML file."""
         if isinstance(value, Mapping):
             self.put(key, value)
         elif key not in NAMES:
@@ -116,7 +120,7 @@ class _Chosen:
         self.put(group if dot else self.method, {field if dot else group: value})
 
     def put_field(self, key: str, value: Any) -> None:
-        """A field of the method, by an option of its own."""
+        """Put a field of the method, by an option of its own."""
         fields = sorted(f.name for f in dataclasses.fields(self.parts["method"]))
         if key not in fields:
             raise SettingsError(f"--{key}: {self.method} has no such setting; it has {', '.join(fields)}")
@@ -124,7 +128,8 @@ class _Chosen:
 
 
 def preset(name: str, chosen: str = "") -> Method:
-    """The method called ``name`` under one of its presets, as shipped without. Raises SettingsError for unknown names."""
+    """Return the method called ``name`` under one of its presets, as shipped without. Raises SettingsError for unknown
+    names."""
     shipped, known = method(name), presets_of(name)
     if chosen and chosen not in known:
         raise SettingsError(f"{name} has no preset '{chosen}'; it has {', '.join(known) or 'none'}.{near_miss(chosen, known)}")

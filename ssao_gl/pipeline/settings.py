@@ -77,7 +77,7 @@ class Settings:
                 )
 
     def with_radius(self, radius: float) -> Settings:
-        """These settings with an automatic radius settled to ``radius`` scene units."""
+        """Return these settings with an automatic radius settled to ``radius`` scene units."""
         if self.method.radius is not None:
             return self
         return dataclasses.replace(self, method=dataclasses.replace(self.method, radius=radius))  # type: ignore[type-var]
@@ -97,7 +97,7 @@ class Settings:
 
 
 def as_method(value: Method | str | None) -> Method:
-    """A method from its name, or itself; None is the default."""
+    """Return a method from its name, or itself; None is the default."""
     if value is None:
         return Bitmask()
     return method(value) if isinstance(value, str) else value

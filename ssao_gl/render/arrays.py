@@ -16,7 +16,7 @@ MAX_SIDE = 1 << 16
 
 
 def check_size(size: Size) -> None:
-    """Raises SettingsError unless ``size`` is (width, height) with sides from 1 to 65536."""
+    """Raise SettingsError unless ``size`` is (width, height) with sides from 1 to 65536."""
     if len(size) != 2 or not all(1 <= side <= MAX_SIDE and side == int(side) for side in size):
         raise SettingsError(f"size {'x'.join(map(str, size))}: must be WIDTHxHEIGHT with sides from 1 to {MAX_SIDE}")
 
@@ -24,7 +24,7 @@ def check_size(size: Size) -> None:
 def check_arrays(
     depth: NDArray[Any], color: NDArray[Any] | None, normals: NDArray[Any] | None
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8] | None, NDArray[np.float32] | None]:
-    """The caller's arrays in the types that are uploaded. Raises FormatError naming what does not fit."""
+    """Return the caller's arrays in the types that are uploaded. Raises FormatError naming what does not fit."""
     depth = np.asarray(depth)
     if depth.ndim != 2 or depth.dtype.kind not in "fiu" or not depth.size:
         raise FormatError(f"depth is {depth.dtype} of shape {depth.shape}; expected numbers of shape (h, w)")
@@ -48,7 +48,7 @@ def check_arrays(
 
 
 def radius_of(depth: NDArray[np.float32], camera: Camera, kind: str) -> float:
-    """An automatic radius for a depth image: a share of the extent of the middle 96 % of its points."""
+    """Return an automatic radius for a depth image: a share of the extent of the middle 96 % of its points."""
     if kind != "eye":
         raise SettingsError("radius: window depth needs a radius in scene units")
     usable = (depth > 2.0**-63) & (depth < 2.0**63)  # what linearize.frag takes for distances

@@ -126,7 +126,7 @@ class Effect:
         return drawn.outputs[output]
 
     def describe(self, depth_kind: str = WINDOW_DEPTH, *, normal: bool = False, color: bool = True) -> str:
-        """The plan as text: passes, formats, slots, MiB, what was left out and why."""
+        """Return the plan as text: passes, formats, slots, MiB, what was left out and why."""
         output = IMAGE if color else VISIBILITY
         return self._plan(depth_kind, normal, output).describe()
 
@@ -197,7 +197,7 @@ def _checked_size(width: int, height: int) -> Size:
 
 
 def _name(value: Any, expected: str, advice: str = "") -> int:
-    """A GL name from whatever whole number a GL binding gave it as."""
+    """Return a GL name from whatever whole number a GL binding gave it as."""
     try:
         return operator.index(getattr(value, "value", value))  # ctypes' numbers keep theirs in .value
     except TypeError:

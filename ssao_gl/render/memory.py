@@ -43,7 +43,8 @@ def free() -> float:
 
 
 def _number(path: Path, name: str = "", missing: float = math.inf) -> float:
-    """The number after ``name``, or at the start, of a file of the system's; ``missing`` when it is not there ('max')."""
+    """Return the number after ``name``, or at the start, of a file of the system's; ``missing`` when it is not there
+    ('max')."""
     try:
         return float(path.read_text().partition(name)[2].split()[0] if name else path.read_text())
     except (OSError, ValueError, IndexError):

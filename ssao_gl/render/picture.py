@@ -72,7 +72,8 @@ class Picture:
         return done
 
     def as_png(self, name: str, bits: int = 8) -> NDArray[Any]:
-        """An AOV as PNG shows it: visibility as grey, depth from near (bright) to far (dark) with background black, normals
+        """Return an AOV as PNG shows it: visibility as grey, depth from near (bright) to far (dark) with background black,
+        normals
         and bent normals as 0.5 + 0.5 n."""
         array = self.arrays[name]
         return to_png_array(name, array, bits, depth_span(array) if name == "depth" else None)
@@ -89,7 +90,8 @@ def depth_span(depth: NDArray[Any]) -> tuple[float, float] | None:
 
 
 def to_png_array(name: str, array: NDArray[Any], bits: int = 8, span: tuple[float, float] | None = None) -> NDArray[Any]:
-    """The values of an AOV, or of some of its rows, as :meth:`Picture.as_png` says. ``span``: :func:`depth_span` of all rows."""
+    """Return the values of an AOV, or of some of its rows, as :meth:`Picture.as_png` says. ``span``: :func:`depth_span` of
+    all rows."""
     if name == "visibility":
         return images.to_bytes(array, bits)
     if name == "depth":
@@ -115,7 +117,7 @@ def save_animation(path: Path, frames: Sequence[Picture], *, seconds: float = 4.
 
 
 def metadata_text(report: Mapping[str, Any]) -> dict[str, str]:
-    """The part of a report that goes into PNG files, by the keys of its text chunks."""
+    """Return the part of a report that goes into PNG files, by the keys of its text chunks."""
     keys = ("settings", "camera", "size", "scene", "provider", "renderer", "version")
     return {"Software": "ssao_gl", **{f"ssao_gl:{key}": _plain(report[key]) for key in keys if key in report}}
 

@@ -252,7 +252,7 @@ class Renderer:
 
     @contextmanager
     def _uploaded(self, arrays: Mapping[str, NDArray[Any]]) -> Iterator[dict[str, moderngl.Texture]]:
-        """The caller's arrays as textures, for as long as the block lasts."""
+        """Yield the caller's arrays as textures, for as long as the block lasts."""
         inputs: dict[str, moderngl.Texture] = {}
         try:
             for name, array in arrays.items():

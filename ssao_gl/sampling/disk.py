@@ -78,7 +78,7 @@ def radical_inverse(index: int) -> float:
 
 
 def bayer(size: int) -> NDArray[np.int64]:
-    """The ordered-dither matrix (size a power of two), flattened: neighbours differ as much as they can."""
+    """Return the ordered-dither matrix (size a power of two), flattened: neighbours differ as much as they can."""
     matrix = np.zeros((1, 1), np.int64)
     while len(matrix) < size:
         matrix = np.block([[4 * matrix, 4 * matrix + 2], [4 * matrix + 3, 4 * matrix + 1]])

@@ -17,17 +17,17 @@ TILE = 4
 
 
 def radius() -> Any:
-    """The field ``radius: float | None``, in scene units."""
+    """Return the field ``radius: float | None``, in scene units."""
     return setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
 
 
 def max_radius() -> Any:
-    """The field ``max_radius: float``, in pixels: the largest footprint that taps are meant to cover."""
+    """Return the field ``max_radius: float``, in pixels: the largest footprint that taps are meant to cover."""
     return setting(256.0, "largest footprint; nearer surfaces get a smaller reach", unit="pixels", low=1, high=4096)
 
 
 def reach_uniforms(radius: float | None, max_radius: float) -> Mapping[str, Any]:
-    """The uniforms of ``lib/taps.glsl``. Raises SettingsError when the radius is not settled."""
+    """Return the uniforms of ``lib/taps.glsl``. Raises SettingsError when the radius is not settled."""
     if radius is None:
         raise SettingsError("the radius must be settled before the draw")
     return {"u_radius": radius, "u_max_radius": max_radius, "u_noise_width": float(TILE)}

@@ -27,7 +27,7 @@ def reflection_planes(tile: int) -> NDArray[np.float32]:
 
 
 def _fibonacci(z: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors (n, 3) at the heights z, each turned by the golden angle from the one before."""
+    """Return unit vectors (n, 3) at the heights z, each turned by the golden angle from the one before."""
     angle = np.arange(len(z)) * GOLDEN_ANGLE
     across = np.sqrt(1 - z**2)
     return np.stack([across * np.cos(angle), across * np.sin(angle), z], 1)

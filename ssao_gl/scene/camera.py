@@ -27,7 +27,7 @@ class Lens(Hashable, Protocol):
     """Anything that gives a projection matrix for an image size."""
 
     def matrix(self, size: Size) -> Matrix:
-        """The (4, 4) projection from view space to clip space, row-major (``clip = matrix @ view``)."""
+        """Return the (4, 4) projection from view space to clip space, row-major (``clip = matrix @ view``)."""
         ...
 
 
@@ -159,7 +159,8 @@ def _matrix4(values: ArrayLike, what: str) -> Matrix:
 
 
 def look_at(eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0, 1, 0)) -> Matrix:
-    """The camera-to-world pose (4, 4) of a camera at ``eye`` that looks at ``target``; ``up`` is upwards in the image."""
+    """Return the camera-to-world pose (4, 4) of a camera at ``eye`` that looks at ``target``; ``up`` is upwards in the
+    image."""
     eye, target, up = (np.asarray(v, np.float64) for v in (eye, target, up))
     if not all(v.shape == (3,) and np.isfinite(v).all() for v in (eye, target, up)):
         raise SettingsError("camera: eye, target and up must each be three finite numbers")
@@ -192,12 +193,12 @@ class Camera:
 
     @classmethod
     def perspective(cls, yfov: float, znear: float = 0.01, zfar: float | None = None, pose: ArrayLike | None = None) -> Camera:
-        """A symmetric perspective camera; ``yfov`` in radians, ``zfar=None`` for an infinite far plane."""
+        """Return a symmetric perspective camera; ``yfov`` in radians, ``zfar=None`` for an infinite far plane."""
         return cls(Perspective(yfov, znear, zfar), _pose(pose))
 
     @classmethod
     def orthographic(cls, height: float, znear: float, zfar: float, pose: ArrayLike | None = None) -> Camera:
-        """A parallel projection that shows ``height`` scene units from bottom to top."""
+        """Return a parallel projection that shows ``height`` scene units from bottom to top."""
         return cls(Orthographic(height, znear, zfar), _pose(pose))
 
     @classmethod
@@ -233,7 +234,8 @@ class Camera:
         return cls(Projection(_matrix4(projection, "projection"), clip), _pose(pose))
 
     def view(self, size: Size) -> ViewConstants:
-        """The constants for an image of ``size`` (width, height). Raises SettingsError when the projection is unusable."""
+        """Return the constants for an image of ``size`` (width, height). Raises SettingsError when the projection is
+        unusable."""
         return _view(self.lens, size)
 
 
@@ -243,5 +245,5 @@ def _pose(pose: ArrayLike | None) -> Matrix:
 
 @lru_cache(maxsize=64)
 def _view(lens: Lens, size: Size) -> ViewConstants:
-    """A moving camera keeps its view constants, and with them every uniform that is already set."""
+    """Return the constants of a lens: a moving camera keeps them, and with them every uniform that is already set."""
     return ViewConstants(size, lens.matrix(size), lens.whole if isinstance(lens, CropLens) else None)

@@ -128,13 +128,13 @@ class Scene:
         return sum(len(draw.triangles) * len(draw.transforms) for draw in self.meshes)
 
     def default_radius(self) -> float:
-        """An AO radius that suits objects seen whole."""
+        """Return an AO radius that suits objects seen whole."""
         return RADIUS_SHARE * self.extent or 1.0
 
     def default_camera(
         self, size: Size = (4, 3), *, azimuth: float = 0.6, elevation: float = 0.45, yfov: float = 0.7
     ) -> Camera:
-        """A perspective camera that shows the whole scene from the front, the side and above. Angles in radians."""
+        """Return a perspective camera that shows the whole scene from the front, the side and above. Angles in radians."""
         up = np.asarray(self.up, np.float64) / np.linalg.norm(self.up)
         side = np.cross(up, [0, 0, 1] if abs(up[2]) < 0.9 else [0, -1, 0])
         side /= np.linalg.norm(side)

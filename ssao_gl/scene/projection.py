@@ -51,7 +51,7 @@ class ViewConstants:
         self._check_constants()
 
     def _check_constants(self) -> None:
-        """What shaders get must be finite as 32-bit floats."""
+        """Raise SettingsError unless what shaders get is finite as 32-bit floats."""
         try:
             with np.errstate(all="ignore"):
                 parts = [*self.constants.values(), *self.depth_constants.values(), self.pixel, self.near]

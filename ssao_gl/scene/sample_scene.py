@@ -16,7 +16,7 @@ CLAY, BLUE, GREEN, WOOD = (0.89, 0.62, 0.50), (0.55, 0.68, 0.86), (0.62, 0.76, 0
 
 
 def default_scene() -> Scene:
-    """A courtyard corner, 6 units wide, y up, with its camera."""
+    """Return a courtyard corner, 6 units wide, y up, with its camera."""
     ball, post, ring = sphere(), cylinder(24), torus(1.0, 0.28)
     posts = [place((0.07, 0.8, 0.07), (x, 0.8, 1.55)) for x in np.linspace(-2.7, -0.5, 9)]
     steps = [place((0.75, 0.16 * (k + 1), 0.3), (1.95, 0.16 * (k + 1), -0.95 - 0.6 * k)) for k in range(4)]
@@ -44,7 +44,7 @@ def _draw(mesh: Arrays, color: tuple[float, float, float], transforms: list[NDAr
 
 
 def place(scale: tuple[float, float, float], at: tuple[float, float, float], turn: float = 0.0) -> NDArray[np.float64]:
-    """A transform (4, 4): scale, turn about y (radians), move."""
+    """Return a transform (4, 4): scale, turn about y (radians), move."""
     matrix = np.diag([*scale, 1.0])
     c, s = math.cos(turn), math.sin(turn)
     turned = np.array([[c, 0, s, 0], [0, 1, 0, 0], [-s, 0, c, 0], [0, 0, 0, 1.0]]) @ matrix
@@ -53,7 +53,7 @@ def place(scale: tuple[float, float, float], at: tuple[float, float, float], tur
 
 
 def box() -> Arrays:
-    """The cube -1 .. 1 with flat normals."""
+    """Return the cube -1 .. 1 with flat normals."""
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], np.float32)
     parts = []
     for axis in range(3):
@@ -66,7 +66,7 @@ def box() -> Arrays:
 
 
 def lathe(profile: NDArray[np.float64], normals: NDArray[np.float64], segments: int) -> Arrays:
-    """A profile (n, 2) of (radius, height) with normals (n, 2), turned about the y axis."""
+    """Return a profile (n, 2) of (radius, height) with normals (n, 2), turned about the y axis."""
     angle = np.linspace(0, 2 * np.pi, segments + 1)
     c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
 
@@ -82,26 +82,26 @@ def lathe(profile: NDArray[np.float64], normals: NDArray[np.float64], segments: 
 
 
 def sphere(segments: int = 64) -> Arrays:
-    """The unit sphere."""
+    """Return the unit sphere."""
     t = np.linspace(-np.pi / 2, np.pi / 2, segments // 2 + 1)
     profile = np.stack([np.cos(t), np.sin(t)], 1)
     return lathe(profile, profile, segments)
 
 
 def cylinder(segments: int = 32) -> Arrays:
-    """The cylinder of radius 1 from y = -1 to 1, open at its ends."""
+    """Return the cylinder of radius 1 from y = -1 to 1, open at its ends."""
     return lathe(np.array([[1.0, -1.0], [1.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 0.0]]), segments)
 
 
 def torus(major: float, minor: float, segments: int = 64) -> Arrays:
-    """A ring about the y axis."""
+    """Return a ring about the y axis."""
     t = np.linspace(-np.pi, np.pi, segments // 2 + 1)
     normal = np.stack([np.cos(t), np.sin(t)], 1)
     return lathe(normal * minor + [major, 0], normal, segments)
 
 
 def well(segments: int = 64, inner: float = 0.72) -> Arrays:
-    """An open tub of outer radius 1 and height 1 with a floor inside."""
+    """Return an open tub of outer radius 1 and height 1 with a floor inside."""
     profile = np.array([[1, 0], [1, 1], [1, 1], [inner, 1], [inner, 1], [inner, 0.1], [inner, 0.1], [0, 0.1]], np.float64)
     normals = np.array([[1, 0], [1, 0], [0, 1], [0, 1], [-1, 0], [-1, 0], [0, 1], [0, 1]], np.float64)
     return lathe(profile, normals, segments)

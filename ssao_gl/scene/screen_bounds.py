@@ -11,7 +11,8 @@ from .projection import Matrix, ViewConstants
 
 
 def screen_bounds(bounds: Matrix, camera: Camera, view: ViewConstants) -> tuple[int, int, int, int] | None:
-    """The pixels (x, y, width, height from the lower left) that hold the image of a box; None when part of it is behind the viewer.
+    """Return the pixels (x, y, width, height from the lower left) that hold the image of a box; None when part of it is
+    behind the viewer.
 
     bounds: (2, 3) least and largest world coordinates. A pixel more on each side, for what rounding does to edges.
     """

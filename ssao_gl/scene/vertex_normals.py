@@ -137,7 +137,8 @@ def _split(
 def _corner_normals(
     positions: F32, triangles: U32, smooth: F32, corners: NDArray[np.int64], crease: float
 ) -> tuple[U32, F32, NDArray[np.int64]]:
-    """New vertices (the old one of each, its normal) for some corners, in order of their vertices, and which each gets."""
+    """Return new vertices (the old one of each, its normal) for some corners, in order of their vertices, and which each
+    gets."""
     part = triangles[corners // 3]
     vertex = triangles.ravel()[corners]
     face, angles = _face_normals(positions, part), _angles(positions, part)
@@ -168,7 +169,7 @@ def _corner_points(positions: F32, triangles: U32) -> list[NDArray[np.float64]]:
 
 
 def _face_normals(positions: F32, triangles: U32) -> F32:
-    """Unit normals (t, 3), zero for degenerate triangles."""
+    """Return unit normals (t, 3), zero for degenerate triangles."""
     a, b, c = _corner_points(positions, triangles)
     normal = np.cross(b - a, c - a)
     length = np.linalg.norm(normal, axis=1, keepdims=True)

@@ -29,7 +29,7 @@ def cast(camera: Camera, size: Size, *surfaces: AnalyticSurface) -> F64:
 
 
 def flat(through: ArrayLike, normal: ArrayLike, within: float = np.inf) -> AnalyticSurface:
-    """The plane through a point at right angles to ``normal``, as far as ``within`` from the point."""
+    """Return the plane through a point at right angles to ``normal``, as far as ``within`` from the point."""
     p, n = np.asarray(through, np.float64), np.asarray(normal, np.float64)
 
     def meet(start: F64, step: F64) -> F64:
@@ -41,7 +41,7 @@ def flat(through: ArrayLike, normal: ArrayLike, within: float = np.inf) -> Analy
 
 
 def ball_depth(center: ArrayLike, radius: float) -> AnalyticSurface:
-    """A sphere, seen from outside."""
+    """Return a sphere, seen from outside."""
     middle = np.asarray(center, np.float64)
 
     def meet(start: F64, step: F64) -> F64:
@@ -58,7 +58,7 @@ def _ahead(z: F64, met: NDArray[np.bool_]) -> F64:
 
 
 def room(scale: float = 1.0) -> tuple[AnalyticSurface, ...]:
-    """A ball on a floor before a wall, with sky beside it: what the depth cases look at. Some 5 ``scale`` away."""
+    """Return a ball on a floor before a wall, with sky beside it: what the depth cases look at. Some 5 ``scale`` away."""
     s = scale
     return (
         flat((0, -s, 0), (0, 1, 0)),

@@ -51,7 +51,7 @@ def case(
     why: str = "",
     once: bool = False,
 ) -> Callable[[Callable[[CaseRunner], float]], Callable[[CaseRunner], float]]:
-    """Decorator that makes a function a case; its docstring is the promise. Names are unique."""
+    """Return a decorator that makes a function a case; its docstring is the promise. Names are unique."""
 
     def register(measure: Callable[[CaseRunner], float]) -> Callable[[CaseRunner], float]:
         if name in _CASES:

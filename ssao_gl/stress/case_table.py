@@ -74,12 +74,12 @@ TRAPS = (
 
 
 def rows(chosen: Iterable[Case]) -> list[tuple[str, ...]]:
-    """The table of some cases, by :data:`COLUMNS`."""
+    """Return the table of some cases, by :data:`COLUMNS`."""
     return [(case.name, case.promise, case.unit, bound(case), " ".join(map(str, case.traps))) for case in chosen]
 
 
 def bound(case: Case) -> str:
-    """The bound of a case in words, with the contract under which it may be broken."""
+    """Return the bound of a case in words, with the contract under which it may be broken."""
     steps = case.bound / STEP
     number = f"{steps:.0f}/255" if 0.9 < steps < 9 and abs(steps - round(steps)) < 1e-3 else f"{case.bound:g}"
     why = f" ({case.why})" if case.why else ""
@@ -88,7 +88,7 @@ def bound(case: Case) -> str:
 
 
 def case_table_markdown() -> str:
-    """The whole page."""
+    """Return the whole page."""
     groups = dict.fromkeys(case.group for case in cases().values())
     parts = [LEAD]
     for group in groups:

@@ -12,7 +12,7 @@ from ..settings import as_table
 
 
 def with_finite_check(method: Method) -> Any:
-    """The method with its visibility replaced by 1 where all that it is computed from is finite, and 0 elsewhere.
+    """Return the method with its visibility replaced by 1 where all that it is computed from is finite, and 0 elsewhere.
 
     Without this nothing would show: minima and maxima turn a NaN into some number on the way, and the last line of every
     method (``ssao_write``) turns the rest into open pixels. Filters give 1 for an image of ones, unless their weights are

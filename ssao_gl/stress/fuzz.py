@@ -31,7 +31,7 @@ HOSTILE = (np.nan, np.inf, -np.inf, 0.0, -0.0, -1.0, 1e-45, 1e-40, -1e-40, 1.2e-
 
 
 def random_case(seed: int, number: int) -> Case:
-    """The case of that number; measuring it draws one shot, and returns 0 when it keeps what every picture promises."""
+    """Return the case of that number; measuring it draws one shot, and returns 0 when it keeps what every picture promises."""
 
     def measure(lab: CaseRunner) -> float:
         lab.see(random_shot(seed, number, lab.subject))
@@ -48,7 +48,7 @@ def planned(seed: int, numbers: range, subjects: list[Specimen]) -> Iterator[tup
 
 
 def random_shot(seed: int, number: int, subject: Specimen) -> Shot:
-    """What the case of that number draws."""
+    """Return what the case of that number draws."""
     shared, own = np.random.default_rng([seed, 0, number // BLOCK]), np.random.default_rng([seed, 1, number])
     size = SIZES[shared.integers(len(SIZES))]
     kind = "window" if shared.random() < 0.4 else "eye"
@@ -129,7 +129,8 @@ def random_normals(random: np.random.Generator, size: Size) -> NDArray[np.float3
 
 
 def random_changes(random: np.random.Generator, subject: Specimen) -> dict[str, Any]:
-    """Settings of the method that are real numbers, some of them at the ends of their ranges; they compile nothing anew."""
+    """Return settings of the method that are real numbers, some of them at the ends of their ranges; they compile nothing
+    anew."""
     changes: dict[str, Any] = {}
     for field in dataclasses.fields(subject.method):  # type: ignore[arg-type]
         rule, roll = limits(field), random.random()
@@ -140,7 +141,7 @@ def random_changes(random: np.random.Generator, subject: Specimen) -> dict[str, 
 
 
 def _hit(random: np.random.Generator, values: NDArray[Any], by: tuple[float, ...]) -> NDArray[np.float64]:
-    """Some of the values replaced by hostile ones."""
+    """Return some of the values replaced by hostile ones."""
     where = random.random(values.shape) < 10 ** random.uniform(-2.5, 0)
     return np.where(where, random.choice(by, values.shape), values)
 

@@ -16,7 +16,7 @@ Fails = Callable[[Shot], bool]
 
 
 def smaller(shot: Shot, fails: Fails, tries: int = TRIES) -> Shot:
-    """The smallest shot over a depth image that is found to fail as ``shot`` does; ``fails`` draws one and tells."""
+    """Return the smallest shot over a depth image that is found to fail as ``shot`` does; ``fails`` draws one and tells."""
     left = [tries]
 
     def still(candidate: Shot) -> bool:
@@ -31,7 +31,7 @@ def smaller(shot: Shot, fails: Fails, tries: int = TRIES) -> Shot:
 
 
 def _first_or_same(shot: Shot, candidates: Iterator[Shot], fails: Fails) -> Shot:
-    """The first candidate that fails, or the shot itself."""
+    """Return the first candidate that fails, or the shot itself."""
     return next((one for one in candidates if fails(one)), shot)
 
 
@@ -61,7 +61,7 @@ def _halves(shot: Shot) -> Iterator[Shot]:
 
 
 def crop(shot: Shot, rows: slice, columns: slice) -> Shot:
-    """A part of a depth image, under the camera that sees just that part."""
+    """Return a part of a depth image, under the camera that sees just that part."""
     assert shot.depth is not None
     h, w = shot.depth.shape
     m = shot.camera.view((w, h)).projection.copy()

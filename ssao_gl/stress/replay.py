@@ -85,7 +85,7 @@ class Recorder:
         return shlex.join(words + (["--seed", str(self.seed)] if row.case.startswith(PREFIX) else []))
 
     def _reduced(self, failure: Failure) -> Shot | None:
-        """The smallest depth image that breaks a promise; None where it takes the whole case to show the failure."""
+        """Return the smallest depth image that breaks a promise; None where it takes the whole case to show the failure."""
         lab = CaseRunner(self.renderer, failure.subject)
 
         def fails(shot: Shot) -> bool:
@@ -104,7 +104,7 @@ class Recorder:
 
 
 def _as_depth(renderer: Renderer, failure: Failure, shot: Shot) -> Shot | None:
-    """A scene's picture as a depth image with normals, under the same projection."""
+    """Return a scene's picture as a depth image with normals, under the same projection."""
     assert shot.scene is not None and shot.size is not None
     try:
         seen = renderer.render(shot.scene, shot.camera, shot.size, failure.subject.settings(shot), aovs=("depth", "normal"))
@@ -134,7 +134,7 @@ def _write_shot(place: Path, number: int, shot: Shot) -> dict[str, Any]:
 
 
 def _projection(camera: Camera, size: Size) -> list[list[float]] | None:
-    """The camera's matrix (4, 4); None where having none is what failed."""
+    """Return the camera's matrix (4, 4); None where having none is what failed."""
     try:
         found: list[list[float]] = camera.view(size).projection.tolist()
         return found

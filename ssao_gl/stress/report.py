@@ -45,7 +45,7 @@ class StressResults:
         return [row for row in self.rows if not row.case.startswith(PREFIX)]
 
     def tallies(self, provider: str) -> list[tuple[str, str, str, int]]:
-        """(method, preset, verdict, number) of a provider's random cases."""
+        """Return (method, preset, verdict, number) of a provider's random cases."""
         return [(*key[1:], number) for key, number in self.random.items() if key[0] == provider]
 
     def counts(self) -> dict[str, int]:
@@ -80,7 +80,7 @@ def _plain(value: Any) -> Any:
 
 
 def cell(row: CaseResult) -> str:
-    """A row in few characters: what was measured, and the declared bound beside it."""
+    """Return a row in few characters: what was measured, and the declared bound beside it."""
     measured = "" if row.measured is None else f"{max(row.measured, 0):.2g}"
     if row.verdict == DECLARED:
         return f"{measured} <= {row.declared:g} declared" if row.measured is not None else "refuses, declared"

@@ -85,7 +85,7 @@ class CaseRunner:
 
 
 def _broken(seen: Capture, finite: NDArray[np.float32]) -> list[str]:
-    """What every picture promises, and this one does not keep."""
+    """Return what every picture promises, and this one does not keep."""
     promises: dict[str, NDArray[np.bool_]] = {
         "method or filter compute NaN or infinity": finite < 1,
         "visibility is not in 0..1": ~((seen.visibility >= 0) & (seen.visibility <= 1)),

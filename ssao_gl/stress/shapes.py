@@ -14,18 +14,18 @@ QUAD = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 
 
 def lens(zfar: float | None = 40.0, scale: float = 1.0, pose: NDArray[np.float64] | None = None) -> Camera:
-    """The camera before these scenes: at the origin, looking along -z, in units of ``scale``."""
+    """Return the camera before these scenes: at the origin, looking along -z, in units of ``scale``."""
     return Camera.perspective(0.9, 0.1 * scale, None if zfar is None else zfar * scale, pose)
 
 
 def quad(center: ArrayLike, u: ArrayLike, v: ArrayLike) -> Mesh:
-    """A parallelogram: center +- u +- v, flat shaded."""
+    """Return a parallelogram: center +- u +- v, flat shaded."""
     c, u_, v_ = (np.asarray(x, np.float64) for x in (center, u, v))
     return Mesh(np.stack([c - u_ - v_, c + u_ - v_, c + u_ + v_, c - u_ + v_]).astype(np.float32), QUAD)
 
 
 def plane(tilt: float = 0.0, away: float = 5.0) -> Scene:
-    """A large plane before the camera, tilted about x by ``tilt`` radians."""
+    """Return a large plane before the camera, tilted about x by ``tilt`` radians."""
     s = 8 * away
     return Scene([quad((0, 0, -away), (s, 0, 0), (0, s * np.cos(tilt), s * np.sin(tilt)))])
 
@@ -37,13 +37,13 @@ def corner() -> Scene:
 
 
 def moved(scene: Scene, matrix: NDArray[np.float64]) -> Scene:
-    """The scene, and its cameras, with every transform preceded by ``matrix`` (4, 4)."""
+    """Return the scene, and its cameras, with every transform preceded by ``matrix`` (4, 4)."""
     draws = [dataclasses.replace(d, transforms=matrix @ d.transforms) for d in scene.meshes]
     cameras = [dataclasses.replace(c, pose=matrix @ c.pose) for c in scene.cameras]
     return Scene(draws, cameras=cameras, up=scene.up, name=scene.name)
 
 
 def scaled(scene: Scene, s: float) -> Scene:
-    """The scene in other units: ``s`` times as large, without cameras."""
+    """Return the scene in other units: ``s`` times as large, without cameras."""
     made = moved(scene, np.diag([s, s, s, 1.0]))
     return Scene(made.meshes, up=scene.up, name=scene.name)

@@ -41,7 +41,7 @@ class Shot:
     keep: tuple[str, ...] = ()
 
     def but(self, **changes: Any) -> Shot:
-        """This shot with some fields replaced."""
+        """Return this shot with some fields replaced."""
         return dataclasses.replace(self, **changes)
 
 

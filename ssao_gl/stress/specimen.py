@@ -52,7 +52,7 @@ class Specimen:
         return self.method.traits.radius_unit == "scene units"
 
     def settings(self, shot: Shot) -> Settings:
-        """Settings for a shot: its filter, and as much of its radius and changes as the method has."""
+        """Return settings for a shot: its filter, and as much of its radius and changes as the method has."""
         changes = {name: value for name, value in shot.changes.items() if name in self.units}
         if self.radius_is_a_length:
             changes["radius"] = shot.radius

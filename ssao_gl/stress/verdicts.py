@@ -58,7 +58,7 @@ Failed = Callable[[Failure], CaseResult]
 
 
 def runs(cases: Iterable[Case], subjects: Iterable[Specimen]) -> list[tuple[Case, Specimen]]:
-    """What is measured: every case for every subject, or for the first one where the method does not matter."""
+    """Return what is measured: every case for every subject, or for the first one where the method does not matter."""
     every, several = list(cases), list(subjects)
     return [(case, subject) for subject in several for case in every if not case.once or subject is several[0]]
 

@@ -71,11 +71,12 @@ class TileCanvas:
             temporary.write_text(json.dumps(state), "utf-8")
 
     def path(self, name: str) -> Path:
-        """The NPY file of an array."""
+        """Return the NPY file of an array."""
         return self.folder / f"{name}.npy"
 
     def bands(self, name: str) -> Iterator[NDArray[Any]]:
-        """The rows of an array from the top, some at a time: read, so that they do not pile up in memory as mapped ones do."""
+        """Yield the rows of an array from the top, some at a time: read, so that they do not pile up in memory as mapped
+        ones do."""
         with self.path(name).open("rb") as file:
             shape, dtype = _header(file)
             count = self.band(name)
@@ -144,7 +145,7 @@ def _header(file: BinaryIO) -> tuple[tuple[int, ...], np.dtype[Any]]:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """What was noted; nothing when that is missing or damaged."""
+    """Return what was noted; nothing when that is missing or damaged."""
     try:
         state = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError):
@@ -153,7 +154,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _locked(folder: Path) -> BinaryIO:
-    """An open file that this process alone has locked; the lock goes with the process, however it ends."""
+    """Return an open file that this process alone has locked; the lock goes with the process, however it ends."""
     try:
         file = (folder / LOCK).open("wb")
     except OSError as error:

@@ -36,7 +36,7 @@ Track = Callable[[Iterable[Any], str, int], Iterable[Any]]
 
 
 def untracked(items: Iterable[Any], title: str, total: int) -> Iterable[Any]:
-    """Shows nothing."""
+    """Return shows nothing."""
     return items
 
 
@@ -71,7 +71,7 @@ class Job:
         return not self.single or self.output.suffix.lower() != ".png" or aov == "depth"
 
     def check(self) -> None:
-        """Raises FormatError for an EXR file that does not fit into memory."""
+        """Raise FormatError for an EXR file that does not fit into memory."""
         if self.single and self.output.suffix.lower() == ".exr":
             need = 4 * self.size[0] * self.size[1] * (1 if self.aovs[0] in ("visibility", "depth") else 3)
             if need > EXR_BYTES:
@@ -124,7 +124,7 @@ def draw(renderer: Renderer, job: Job, track: Track = untracked) -> tuple[list[P
 
 @contextmanager
 def _folder(job: Job) -> Iterator[None]:
-    """The output's folder, which does not stay when nothing came into it."""
+    """Make the output's folder, which does not stay when nothing came into it."""
     new = not job.single and not job.output.exists()
     if not job.single:
         make_folder(job.output)

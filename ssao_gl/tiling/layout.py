@@ -66,11 +66,11 @@ class Tile:
     outer: PixelRect
 
     def camera(self, camera: Camera, whole: Size) -> Camera:
-        """The camera that shows ``outer`` of a picture of the size ``whole``."""
+        """Return the camera that shows ``outer`` of a picture of the size ``whole``."""
         return dataclasses.replace(camera, lens=CropLens(camera.lens, whole, (self.outer.x, self.outer.y)))
 
     def crop(self, array: NDArray[Any]) -> NDArray[Any]:
-        """The pixels of ``inner`` from an array (h, w, ...) of ``outer``, row 0 on top."""
+        """Return the pixels of ``inner`` from an array (h, w, ...) of ``outer``, row 0 on top."""
         left = self.inner.x - self.outer.x
         top = (self.outer.y + self.outer.h) - (self.inner.y + self.inner.h)
         return array[top : top + self.inner.h, left : left + self.inner.w]
@@ -210,7 +210,7 @@ def unguarded(settings: Settings) -> Settings:
 
 
 def tap_reach(method: Method, view: ViewConstants, nearest: float) -> float:
-    """The longest way from a pixel to a tap, in pixels, on surfaces not nearer than ``nearest`` (linear depth).
+    """Return the longest way from a pixel to a tap, in pixels, on surfaces not nearer than ``nearest`` (linear depth).
 
     A radius in scene units is longest on the nearest surface, at the corner of the picture that lies farthest off the
     axis (a ball there is seen as an ellipse, longer by the length of the ray), to a point that is nearer still by the radius.
@@ -244,7 +244,7 @@ def _slant(view: ViewConstants) -> float:
 
 
 def _step(method: Method) -> int:
-    """What tiles are multiples of: ``TILE_STEP``, and the period of the method's noise."""
+    """Return what tiles are multiples of: ``TILE_STEP``, and the period of the method's noise."""
     return math.lcm(TILE_STEP, method.traits.noise_tile * method.traits.scale)
 
 
