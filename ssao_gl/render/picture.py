@@ -72,9 +72,10 @@ class Picture:
         return done
 
     def as_png(self, name: str, bits: int = 8) -> NDArray[Any]:
-        """Return an AOV as PNG shows it: visibility as grey, depth from near (bright) to far (dark) with background black,
-        normals
-        and bent normals as 0.5 + 0.5 n."""
+        """Return an AOV as PNG shows it.
+
+        Visibility as grey, depth from near (bright) to far (dark) with background black, normals as 0.5 + 0.5 n.
+        """
         array = self.arrays[name]
         return to_png_array(name, array, bits, depth_span(array) if name == "depth" else None)
 
