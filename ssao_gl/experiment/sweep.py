@@ -54,7 +54,7 @@ class Sweep:
     def header(self, machine: dict[str, Any], code: str) -> dict[str, Any]:
         """What every measured row depends on beside its key: another header, another journal."""
         return {
-            "format": 1,
+            "format": 2,
             "code": code,
             "truth": as_table(self.tracing),
             "rounds": self.rounds,

@@ -17,9 +17,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..errors import FormatError
-
-if sys.platform != "win32":
-    import fcntl
+from .locks import lock
 
 
 def why_unreadable(path: Path, *, empty: bool = False) -> str | None:
@@ -88,7 +86,7 @@ def locked_folder(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise FormatError(f"cannot write {folder}: {error.strerror or error}") from None
     try:
-        _lock(handle, folder)
+        lock(handle, folder)
         yield
     finally:
         os.close(handle)
@@ -115,7 +113,7 @@ def _claim(path: Path) -> tuple[Path, int | None]:
     while sys.platform != "win32":
         handle = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         try:
-            if not _lock(handle, path):
+            if not lock(handle, path):
                 os.close(handle)
                 temporary.unlink(missing_ok=True)
                 break
@@ -132,21 +130,6 @@ def _claim(path: Path) -> tuple[Path, int | None]:
     temporary = _temporary(path, f".{os.getpid()}")
     temporary.write_bytes(b"")
     return temporary, None
-
-
-def _lock(handle: int, what: Path) -> bool:
-    """Whether there are locks here. Raises FormatError when another run holds this one."""
-    if sys.platform == "win32":
-        return False
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise FormatError(
-            f"cannot write {what}: another run is writing there now; wait for it, or choose another name"
-        ) from None
-    except OSError:
-        return False
-    return True
 
 
 def _is(held: os.stat_result, place: Path) -> bool:

@@ -3,22 +3,55 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..glsl import preprocess
+from ..scene.model import Mesh
 
-PRESENTING = ("cli", "report")
-"""Folders of the package that change no measurement."""
+if TYPE_CHECKING:
+    from hashlib import _Hash
+
+PRESENTING = ("__main__.py", "__init__.py", "__init__.pyi", "cli", "report", "stress")
+"""What no measurement goes through, at the top of the package: it tells of results, or asks questions of its own."""
 
 
 @cache
 def code_fingerprint() -> str:
-    """Hash of the shaders and of all code that measurements go through: rows of another code are not mixed in."""
+    """Return the hash of the shaders and of all code that pictures and measurements go through.
+
+    Results of another code are not mixed with those of this one, whatever version the package says it has.
+    """
+    return fingerprint_of(Path(__file__).resolve().parent.parent, preprocess.root())
+
+
+def fingerprint_of(package: Path, shaders: Path) -> str:
+    """Return the hash of a package's code and shaders: of their paths below their folders, and of their bytes."""
+    code = [p for p in package.rglob("*.py") if p.relative_to(package).parts[0] not in PRESENTING]
     digest = hashlib.sha256()
-    package = Path(__file__).resolve().parent.parent
-    python = [path for path in package.rglob("*.py") if path.relative_to(package).parts[0] not in PRESENTING]
-    for path in sorted([*python, *(path for path in preprocess.root().rglob("*") if path.is_file())]):
-        digest.update(f"{path.name} {path.stat().st_size}".encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+    for root, files in ((package, code), (shaders, [p for p in shaders.rglob("*") if p.is_file()])):
+        for path in sorted(files):
+            content = path.read_bytes()
+            digest.update(f"{path.relative_to(root).as_posix()}\0{len(content)}\0".encode())
+            digest.update(content)
+    return digest.hexdigest()[:32]
+
+
+def add_arrays(digest: _Hash, arrays: Iterable[NDArray[Any] | None]) -> None:
+    """Add arrays with their types and shapes: two must not pass for another two of the same bytes in a row."""
+    for array in arrays:
+        digest.update(repr(None if array is None else (array.dtype.str, array.shape)).encode())
+        if array is not None:
+            digest.update(np.ascontiguousarray(array).data)
+
+
+def add_mesh(digest: _Hash, mesh: Mesh, *, normals: bool, colors: bool) -> None:
+    """Add the triangles of a mesh and where they are; on demand what shades them, and what colours them."""
+    add_arrays(digest, (mesh.positions, mesh.triangles, mesh.transforms, mesh.normals if normals else None))
+    if colors:
+        add_arrays(digest, (np.array(mesh.color), mesh.vertex_colors))

@@ -17,6 +17,7 @@ from typing import IO, Any
 from ..errors import FormatError
 from .atomic import atomic_write, make_folder
 from .json_values import to_json
+from .locks import lock
 
 NAME = "journal.jsonl"
 JournalRow = dict[str, Any]
@@ -59,9 +60,11 @@ class Journal:
             file = self._path.open("ab")
         except OSError as error:
             raise FormatError(f"cannot write {self._path}: {error.strerror or error}") from None
-        if not _locked(file):
+        try:
+            lock(file.fileno(), self._path.parent)
+        except FormatError:
             file.close()
-            raise FormatError(f"{self._path.parent}: another report is being made there; wait for it, or use another folder")
+            raise
         return file
 
     def _rewrite(self, rows: list[JournalRow]) -> None:
@@ -148,18 +151,3 @@ def _aside(path: Path, why: str) -> Path:
     with atomic_write(place) as temporary:
         temporary.write_bytes(path.read_bytes())
     return place
-
-
-def _locked(file: IO[bytes]) -> bool:
-    """Whether this process is now the only one that writes there; where files cannot be locked, it is taken to be."""
-    try:
-        import fcntl
-    except ImportError:  # Windows
-        return True
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError:  # a file system without locks
-        return True
-    return True

@@ -8,7 +8,6 @@ which tell what taps cost.
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 import json
 import logging
 import math
@@ -19,10 +18,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import FormatError, one_line
 from ..gl.context import Context
-from ..glsl import preprocess
-from ..io.atomic import atomic_write, make_folder
+from ..io.cache import read_cached, write_cached
+from ..io.fingerprint import code_fingerprint
 from ..pipeline.frame_setup import frame_setup
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera, look_at
@@ -36,7 +34,7 @@ from .cost_model import DRAWN, CostRate, PassWork, PlannedFrame, Rates, fitted
 if TYPE_CHECKING:
     from ..render.renderer import Renderer
 
-VERSION = 1
+VERSION = 2
 """Part of every key: raised whenever the same driver would be probed in another way."""
 
 SOFTWARE_SIZES: tuple[Size, Size] = ((240, 135), (480, 270))
@@ -52,23 +50,20 @@ def clock(ctx: Context) -> str:
 
 
 def key(ctx: Context) -> str:
-    """Hash of all that decides what passes cost: the driver, this package's version, every shader, and what is probed."""
+    """Return the hash of all that decides what passes cost: the driver, our code and shaders, and what is probed."""
     probed = [[family.name, as_table(family.candidate(taps).made())] for family in FAMILIES for taps in family.probed]
-    parts = [VERSION, ctx.provider, ctx.renderer, ctx.version, importlib.metadata.version("ssao_gl"), probed]
-    digest = hashlib.sha256(json.dumps(parts, sort_keys=True).encode())
-    for path in sorted(p for p in preprocess.root().rglob("*") if p.is_file()):
-        digest.update(path.relative_to(preprocess.root()).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:32]
+    parts = [VERSION, ctx.provider, ctx.renderer, ctx.version, code_fingerprint(), probed]
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]
 
 
 def calibrated(renderer: Renderer, folder: Path) -> Mapping[str, Rates]:
     """The rates of every family, by its name, from the cache in ``folder`` or by probe frames."""
     path = folder / f"planner-{key(renderer.ctx)}.json"
-    found = _read(path)
+    found = read_cached(path, _rates)
     if found is None:
         log.info("planner: probing %s, once", renderer.ctx.renderer)
         found = probe(renderer)
-        _write(path, found)
+        write_cached(path, lambda temporary: _write(temporary, found))
     return found
 
 
@@ -128,34 +123,18 @@ def above(away: float) -> Camera:
 
 
 def _write(path: Path, found: Mapping[str, Rates]) -> None:
-    """A cache that cannot be written costs the next run its time, and this one a warning."""
     table = {name: {task: list(asdict(rate).values()) for task, rate in rates.items()} for name, rates in found.items()}
-    try:
-        make_folder(path.parent)
-        with atomic_write(path) as temporary:
-            temporary.write_text(json.dumps(table, indent=1) + "\n", "utf-8")
-    except FormatError as error:
-        log.warning("%s; probing again the next time", error)
+    path.write_text(json.dumps(table, indent=1) + "\n", "utf-8")
 
 
-def _read(path: Path) -> dict[str, Rates] | None:
-    """What :func:`_write` wrote; None when there is none, or, with a warning, when it is damaged."""
-    if not path.is_file():
-        return None
-    try:
-        table = json.loads(path.read_text("utf-8"))
-        found: dict[str, Rates] = {
-            name: {task: CostRate(*map(float, numbers)) for task, numbers in table[name].items()}
-            for name in (family.name for family in FAMILIES)
-        }
-        if not all(
-            math.isfinite(part) and part >= 0
-            for rates in found.values()
-            for rate in rates.values()
-            for part in asdict(rate).values()
-        ):
-            raise ValueError("rates must be numbers, not negative")
-    except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
-        log.warning("%s is damaged (%s); probing again", path, one_line(error, 120))
-        return None
+def _rates(path: Path) -> dict[str, Rates]:
+    """Return what :func:`_write` wrote. Raises for anything else."""
+    table = json.loads(path.read_text("utf-8"))
+    found: dict[str, Rates] = {
+        name: {task: CostRate(*map(float, numbers)) for task, numbers in table[name].items()}
+        for name in (family.name for family in FAMILIES)
+    }
+    parts = [part for rates in found.values() for rate in rates.values() for part in asdict(rate).values()]
+    if not all(math.isfinite(part) and part >= 0 for part in parts):
+        raise ValueError("rates must be numbers, not negative")
     return found

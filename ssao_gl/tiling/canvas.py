@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
@@ -19,13 +18,9 @@ from numpy.typing import NDArray
 
 from ..errors import FormatError
 from ..io.atomic import atomic_write, make_folder
+from ..io.locks import lock
 from ..scene.projection import Size
 from .layout import PixelRect
-
-if sys.platform == "win32":
-    import msvcrt
-else:
-    import fcntl
 
 STATE, LOCK = "tiles.json", "lock"
 BAND_BYTES = 1 << 24
@@ -160,11 +155,8 @@ def _locked(folder: Path) -> BinaryIO:
     except OSError as error:
         raise FormatError(f"cannot write {folder}: {error.strerror or error}") from None
     try:
-        if sys.platform == "win32":
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        else:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
+        lock(file.fileno(), folder)
+    except FormatError:
         file.close()
-        raise FormatError(f"{folder}: another ssao-gl is drawing this picture; wait for it, or write to another name") from None
+        raise
     return file

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 import json
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -15,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import FormatError
-from ..glsl import preprocess
 from ..io import images
 from ..io.atomic import is_folder, make_folder
+from ..io.fingerprint import add_arrays, add_mesh, code_fingerprint
 from ..pipeline.build import plan_render
 from ..pipeline.settings import Settings
 from ..render.picture import depth_span, metadata_text, to_png_array
@@ -84,23 +83,14 @@ class Job:
         """Hash of everything that decides the pixels, and what is written of them."""
         ctx = renderer.ctx
         facts = [
-            importlib.metadata.version("ssao_gl"), ctx.provider, ctx.renderer, ctx.version, self.size, self.settings.table(),
-            self.aovs, [self.keeps_values(aov) for aov in self.aovs], self.bits, self.layout.table(), self.scene.name, self.camera.name,
+            code_fingerprint(), ctx.provider, ctx.renderer, ctx.version, self.size, self.settings.table(), self.aovs,
+            [self.keeps_values(aov) for aov in self.aovs], self.bits, self.layout.table(), self.scene.name, self.camera.name,
         ]  # fmt: skip
         digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
-        for name in sorted(path for path in preprocess.root().rglob("*") if path.is_file()):
-            digest.update(name.read_bytes())
-        for array in (self.camera.lens.matrix(self.size), self.camera.pose, *_arrays(self.scene)):
-            digest.update(repr((array.dtype.str, array.shape)).encode())
-            digest.update(np.ascontiguousarray(array).data)
+        add_arrays(digest, (self.camera.lens.matrix(self.size), self.camera.pose))
+        for mesh in self.scene.meshes:
+            add_mesh(digest, mesh, normals=True, colors=True)
         return digest.hexdigest()
-
-
-def _arrays(scene: Scene) -> Iterator[NDArray[Any]]:
-    for draw in scene.meshes:
-        yield np.array(draw.color)
-        for array in (draw.positions, draw.triangles, draw.normals, draw.vertex_colors, draw.transforms):
-            yield np.zeros(0) if array is None else array
 
 
 def draw(renderer: Renderer, job: Job, track: Track = untracked) -> tuple[list[Path], dict[str, Any]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import logging
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -12,33 +11,25 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import FormatError
-from ..io.atomic import atomic_write, check_writable, make_folder
-from ..io.cache import MOST_BYTES, prune
+from ..io.atomic import check_writable, make_folder
+from ..io.cache import prune, read_cached, write_cached
+from ..io.fingerprint import add_arrays, add_mesh
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
 from ..settings import as_table
 from .settings import Tracing
 
-VERSION = 1
+VERSION = 2
 """Part of every key: raised whenever the same input gives other numbers."""
-
-log = logging.getLogger("ssao_gl")
 
 
 def content_key(scene: Scene, camera: Camera, size: Size, tracing: Tracing) -> str:
-    """Hash of the triangles and where they are, the camera's matrices, the size and the settings; not of names or colours."""
+    """Return the hash of the triangles and where they are, the camera, the size and the settings; not of names or colours."""
     digest = hashlib.sha256(json.dumps([VERSION, size, as_table(tracing)], sort_keys=True).encode())
-    for matrix in (camera.lens.matrix(size), camera.pose):
-        digest.update(np.ascontiguousarray(matrix, np.float64).data)
-    for draw in scene.meshes:
-        normals = draw.normals if tracing.normals == "shading" else None
-        for array in (draw.positions, draw.triangles, draw.transforms, normals):
-            # Shapes too: two arrays must not pass for another two of the same bytes in a row.
-            digest.update(repr(None if array is None else array.shape).encode())
-            if array is not None:
-                digest.update(np.ascontiguousarray(array).data)
+    add_arrays(digest, (np.asarray(camera.lens.matrix(size), np.float64), np.asarray(camera.pose, np.float64)))
+    for mesh in scene.meshes:
+        add_mesh(digest, mesh, normals=tracing.normals == "shading", colors=False)
     return digest.hexdigest()[:32]
 
 
@@ -70,7 +61,7 @@ class Store:
         _write(self._result, arrays)
         with suppress(OSError):
             self._partial.unlink(missing_ok=True)
-        prune(self._result.parent, MOST_BYTES)
+        prune(self._result.parent, "truth")
 
 
 def store(folder: Path, key: str) -> Store:
@@ -81,33 +72,29 @@ def store(folder: Path, key: str) -> Store:
 
 
 def _digest(arrays: dict[str, Any]) -> str:
-    digest = hashlib.sha256()
-    for name in sorted(arrays):
-        array = np.ascontiguousarray(arrays[name])
-        digest.update(f"{name} {array.dtype.str} {array.shape}".encode())
-        digest.update(array.tobytes())
+    digest = hashlib.sha256(repr(sorted(arrays)).encode())
+    add_arrays(digest, (np.asarray(arrays[name]) for name in sorted(arrays)))
     return digest.hexdigest()
 
 
 def _write(path: Path, arrays: dict[str, Any]) -> None:
-    """A disk that fills up costs the file, with a warning, and not what was traced."""
-    try:
-        with atomic_write(path) as temporary, temporary.open("wb") as file:
+    """Write arrays with their digest. A disk that fills up costs the file, with a warning, and not what was traced."""
+
+    def write(temporary: Path) -> None:
+        with temporary.open("wb") as file:
             np.savez(file, digest=_digest(arrays), **arrays)
-    except FormatError as error:
-        log.warning("%s; going on without", error)
+
+    write_cached(path, write)
 
 
 def _read(path: Path) -> dict[str, Any] | None:
-    """The arrays of a file, scalars as numbers; None when there is none, or, with a warning, when it is damaged."""
-    if not path.is_file():
-        return None
-    try:
-        with np.load(path, allow_pickle=False) as content:
-            arrays = {name: content[name] for name in content.files}
-        if str(arrays.pop("digest")) != _digest(arrays):
-            raise ValueError("its content has changed")
-    except Exception as error:  # zip files break in many ways
-        log.warning("%s is damaged (%s); tracing anew", path, " ".join(str(error).split())[:120] or type(error).__name__)
-        return None
+    """Return the arrays of a file, scalars as numbers; None when there is none, or, with a warning, when it is damaged."""
+    return read_cached(path, _arrays)
+
+
+def _arrays(path: Path) -> dict[str, Any]:
+    with np.load(path, allow_pickle=False) as content:
+        arrays = {name: content[name] for name in content.files}
+    if str(arrays.pop("digest")) != _digest(arrays):
+        raise ValueError("its content has changed")
     return {name: array.item() if array.ndim == 0 else array for name, array in arrays.items()}

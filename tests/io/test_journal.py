@@ -78,7 +78,7 @@ def test_rows_of_a_scene_that_has_changed_are_passed_over(tmp_path: Path) -> Non
 
 def test_two_at_once_are_refused(tmp_path: Path) -> None:
     pytest.importorskip("fcntl")
-    with Journal(tmp_path, HEADER, SEEN), pytest.raises(FormatError, match="another report"):
+    with Journal(tmp_path, HEADER, SEEN), pytest.raises(FormatError, match="another run is writing there now"):
         Journal(tmp_path, HEADER, SEEN)
 
 

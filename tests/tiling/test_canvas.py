@@ -128,7 +128,7 @@ def test_room_is_asked_for_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 def test_one_process_at_a_time(tmp_path: Path) -> None:
     with TileCanvas(tmp_path / "w", SIZE, "x") as made:
         made.add(TILES[0].inner, piece(0))
-        with pytest.raises(FormatError, match="another ssao-gl is drawing this picture"):
+        with pytest.raises(FormatError, match="another run is writing there now"):
             TileCanvas(tmp_path / "w", SIZE, "x")
     assert filled(tmp_path / "w", "x", 2) == [1]
 

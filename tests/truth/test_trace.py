@@ -288,7 +288,7 @@ def test_the_cache_forgets_what_was_not_used_for_longest(tmp_path: Path) -> None
     for age, name in enumerate(("truth-c.npz", "truth-b.npz", ".truth-a.x.npz", "truth-a.npz", "kept.txt")):
         (tmp_path / name).write_bytes(bytes(100))
         os.utime(tmp_path / name, (1000 - age, 1000 - age))
-    prune(tmp_path, 250)
+    prune(tmp_path, "truth", 250)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["kept.txt", "truth-b.npz", "truth-c.npz"]
 
 
