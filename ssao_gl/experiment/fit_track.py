@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from ..errors import SettingsError
 from ..io.journal import Journal
+from .estimators import ScreenSpace
 from .fit import FACTORS, Levels, Scalars, fit
 from .sweep import Sweep
-from .variants import Variant
 from .view_setup import ViewSetup
 from .views import MeasuredView
 
@@ -16,7 +16,7 @@ Fits = Mapping[str, tuple[Scalars, float]]
 """label -> (scalars, mean RMSE over the views they were fitted on)."""
 
 
-def gather_levels(setup: ViewSetup, variant: Variant) -> dict[str, list[list[float]]]:
+def gather_levels(setup: ViewSetup, variant: ScreenSpace) -> dict[str, list[list[float]]]:
     """Radius factor, as text, -> sums over levels of visibility; factors that a method refuses are left out."""
     found = {}
     for factor in FACTORS:
@@ -32,7 +32,7 @@ def fits(sweep: Sweep, journal: Journal) -> Fits:
     """Of all variants that took part in every view that is fitted on."""
     wanted = [view.name for view in fitting_views(sweep)]
     found = {}
-    for variant in sweep.variants:
+    for variant in sweep.methods:
         rows = [journal.find("levels", view, variant.label) for view in wanted]
         tried = _common([row["levels"] for row in rows if row])
         if tried and all(rows):

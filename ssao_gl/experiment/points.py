@@ -12,7 +12,7 @@ PointRow = Mapping[str, Any]
 PlotPoint = Mapping[str, Any]
 
 TIMES = (0.25, 64.0)
-"""Multiples of the yardstick between which hypervolume is taken."""
+"""Multiples of the baseline between which hypervolume is taken."""
 
 MEDIAN = 1
 """Index in [lower quartile, median, upper quartile]."""
@@ -27,13 +27,13 @@ def points(rows: Iterable[PointRow], views: Collection[str], *, track: str) -> l
     """One point for each variant, over those of ``views`` in which it took part; the front is marked.
 
     errors: means over views. wall, cpu: milliseconds by group of passes, means over views of the medians over rounds.
-    ratio, cpu_ratio: sum of the totals over the sum of the yardstick's times in the same views; None without a yardstick.
+    ratio, cpu_ratio: sum of the totals over the sum of the baseline's times in the same views; None without a baseline.
     A variant that sits out some views is not compared with the others: it is never on the front.
     """
     by_label: dict[str, list[PointRow]] = {}
     for row in rows:
         if row["view"] in views:
-            by_label.setdefault(_label(row), []).append(row)
+            by_label.setdefault(row["variant"], []).append(row)
     found = [_point(label, some, track) for label, some in by_label.items() if any("errors" in row for row in some)]
     return marked(found, len(views))
 
@@ -67,15 +67,11 @@ def constants(views: Sequence[PointRow], fitting: Collection[str]) -> list[dict[
     return made
 
 
-def method_hypervolume(some: Sequence[PlotPoint], yardstick: float | None, worst: float) -> float | None:
-    """Of points of one method, or of all: see :func:`pareto.method_hypervolume`. ``yardstick``: its mean milliseconds."""
-    if not yardstick or not worst:
+def method_hypervolume(some: Sequence[PlotPoint], baseline: float | None, worst: float) -> float | None:
+    """Of points of one method, or of all: see :func:`pareto.method_hypervolume`. ``baseline``: its mean milliseconds."""
+    if not baseline or not worst:
         return None
-    return pareto.hypervolume(map(time_and_error, some), (TIMES[0] * yardstick, TIMES[1] * yardstick), worst)
-
-
-def _label(row: PointRow) -> str:
-    return row["variant"] or f"rays {row['spp']}"
+    return pareto.hypervolume(map(time_and_error, some), (TIMES[0] * baseline, TIMES[1] * baseline), worst)
 
 
 def _point(label: str, rows: Sequence[PointRow], track: str) -> PlotPoint:
@@ -87,11 +83,13 @@ def _point(label: str, rows: Sequence[PointRow], track: str) -> PlotPoint:
     }
     return {
         "label": label,
-        "method": good[0].get("method", "rays"),
-        "preset": good[0].get("preset", label.removeprefix("rays ")),
+        "family": good[0]["family"],
+        "preset": good[0]["preset"],
+        "realtime": good[0]["realtime"],
         "track": track,
         "views": len(good),
         "errors": {name: mean([row["errors"].get(name) for row in good]) for name in metrics},
+        "prepared": {name: mean([row["prepared"][name] for row in good]) for name in ("ms", "bytes")},
         **clocks,
         "ratio": _ratio(good, "wall"),
         "cpu_ratio": _ratio(good, "cpu"),
@@ -99,6 +97,6 @@ def _point(label: str, rows: Sequence[PointRow], track: str) -> PlotPoint:
 
 
 def _ratio(rows: Sequence[PointRow], clock: str) -> float | None:
-    timed = [row for row in rows if row.get("yardstick")]
-    below = sum(row["yardstick"][clock][MEDIAN] for row in timed)
+    timed = [row for row in rows if row.get("baseline")]
+    below = sum(row["baseline"][clock][MEDIAN] for row in timed)
     return sum(row["times"]["total"][clock][MEDIAN] for row in timed) / below if below > 0 else None

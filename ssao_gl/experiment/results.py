@@ -14,10 +14,11 @@ from ..io.journal import Journal
 from .fit_track import fits
 from .points import MEDIAN, constants, method_hypervolume, points, size_text
 from .statistics import mean
+from .steps import ESTIMATE
 from .sweep import BUDGETS, LIMITS, Sweep
 
-FORMAT = "ssao_gl report 1"
-KINDS = ("view", "shipped", "rays", "fitted", "split", "scaling", "rules")
+FORMAT = "ssao_gl report 2"
+KINDS = ("view", ESTIMATE, "fitted", "split", "scaling", "rules")
 
 Results = dict[str, Any]
 
@@ -25,8 +26,8 @@ Results = dict[str, Any]
 def results(sweep: Sweep, journal: Journal, machine: Mapping[str, Any], made: str, command: str) -> Results:
     """What the journal has for a sweep, and what follows from it."""
     names = {view.name for view in sweep.views}
-    labels = {variant.label for variant in sweep.variants} | {""}
-    methods = {variant.method for variant in sweep.variants} if sweep.scaling else set()
+    labels = {one.label for one in sweep.estimators} | {""}
+    methods = {one.family for one in sweep.methods} if sweep.scaling else set()
     rows = {
         kind: [
             row
@@ -40,7 +41,6 @@ def results(sweep: Sweep, journal: Journal, machine: Mapping[str, Any], made: st
     rows["fitted"] = [row for row in rows["fitted"] if row["at"] == keys.get(row["variant"])]
     rows["rules"] = rows["rules"] if sweep.rules else []
     rows["split"] = [row for row in rows["split"] if sweep.split and row["at"] == size_text(sweep.split)]
-    _borrow_yardstick(rows)
     scenes = list(dict.fromkeys(view.scene for view in sweep.views))
     found = {
         "format": FORMAT,
@@ -51,18 +51,13 @@ def results(sweep: Sweep, journal: Journal, machine: Mapping[str, Any], made: st
         "budgets": list(BUDGETS),
         "limits": list(LIMITS),
         "scenes": {"fit": list(sweep.fit), "test": [name for name in scenes if name not in sweep.fit]},
-        "order": [variant.label for variant in sweep.variants],
+        "order": [one.label for one in sweep.estimators],
+        "families": list(dict.fromkeys(one.family for one in sweep.estimators)),
         "fits": {label: {**dataclasses.asdict(scalars), "rmse": error} for label, (scalars, error) in found_fits.items()},
         "rows": rows,
     }
     found["sizes"] = [_at_size(found, size_text(size)) for size in dict.fromkeys(view.size for view in sweep.views)]
     return found
-
-
-def _borrow_yardstick(rows: Mapping[str, list[dict[str, Any]]]) -> None:
-    """Rays are compared with the yardstick that the methods of the same view were timed with."""
-    yard = {row["view"]: row.get("yardstick") for row in rows["shipped"] if row.get("yardstick")}
-    rows["rays"][:] = [{**row, "yardstick": yard.get(row["view"])} for row in rows["rays"]]
 
 
 def _at_size(found: Results, size: str) -> dict[str, Any]:
@@ -74,34 +69,34 @@ def _at_size(found: Results, size: str) -> dict[str, Any]:
     # With nothing held out the fit can only be shown where it was made; the page says so.
     held = (every - fitting) or every
     still = constants(views, fitting)
-    timed = _one_a_view(rows["shipped"], every)
-    yardstick, by_cpu = (mean([row["yardstick"][clock][MEDIAN] for row in timed]) for clock in ("wall", "cpu"))
-    shipped = points([*rows["shipped"], *rows["rays"]], every, track="shipped")
+    timed = _one_a_view(rows[ESTIMATE], every)
+    baseline, by_cpu = (mean([row["baseline"][clock][MEDIAN] for row in timed]) for clock in ("wall", "cpu"))
+    shipped = points(rows[ESTIMATE], every, track="as shipped")
     worst = still[-1]["errors"]["rmse"] if still else 0.0
-    methods = dict.fromkeys(point["method"] for point in shipped)
+    families = dict.fromkeys(point["family"] for point in shipped)
     return {
         "size": size,
         "views": sorted(every),
         "held_out": sorted(held),
-        "yardstick_ms": yardstick,
-        "yardstick_cpu_ms": by_cpu,
+        "baseline_ms": baseline,
+        "baseline_cpu_ms": by_cpu,
         "constants": still,
         "shipped": shipped,
-        "shipped_held_out": points([*rows["shipped"], *rows["rays"]], held, track="shipped"),
+        "shipped_held_out": points(rows[ESTIMATE], held, track="as shipped"),
         "fitted_held_out": points(rows["fitted"], held, track="fitted"),
         "hypervolume": {
             "worst": worst,
-            "all": method_hypervolume([p for p in shipped if p["method"] != "rays"], yardstick, worst),
-            **{name: method_hypervolume([p for p in shipped if p["method"] == name], yardstick, worst) for name in methods},
+            "all": method_hypervolume([p for p in shipped if p["realtime"]], baseline, worst),
+            **{name: method_hypervolume([p for p in shipped if p["family"] == name], baseline, worst) for name in families},
         },
     }
 
 
 def _one_a_view(rows: list[dict[str, Any]], views: set[str]) -> list[dict[str, Any]]:
-    """The first row with a yardstick of each view."""
+    """The first row with a baseline of each view."""
     first: dict[str, dict[str, Any]] = {}
     for row in rows:
-        if row["view"] in views and row.get("yardstick"):
+        if row["view"] in views and row.get("baseline"):
             first.setdefault(row["view"], row)
     return list(first.values())
 

@@ -39,7 +39,7 @@ class Run:
     def _ahead(self) -> float:
         """Cost of the fitted track, as far as it can be told before the fits are."""
         found = {label: scalars for label, (scalars, _) in fits(self.sweep, self.journal).items()}
-        every = [(view, variant) for view in self.sweep.views for variant in self.sweep.variants if self.sweep.fit]
+        every = [(view, variant) for view in self.sweep.views for variant in self.sweep.methods if self.sweep.fit]
         return sum(self._steps.cost(view) for view, variant in every if not self._steps.has_fitted(view, variant, found))
 
     def _work(self, steps: Sequence[WorkStep], ahead: float) -> None:

@@ -15,7 +15,8 @@ from ..methods.registry import method
 from ..pipeline.settings import Settings
 from ..scene.projection import Size
 from ..settings import assign
-from .measure import YARD, timed
+from .estimators import ScreenSpace
+from .measure import timed
 from .points import MEDIAN
 from .statistics import exponent
 from .sweep import Sweep
@@ -50,7 +51,7 @@ class Trial:
 def trials(sweep: Sweep, view: MeasuredView) -> list[Trial]:
     """Every method of the sweep on every axis that it has."""
     found = []
-    for name in dict.fromkeys(variant.method for variant in sweep.variants if variant.method != TRUTH):
+    for name in dict.fromkeys(one.family for one in sweep.methods if one.family != TRUTH):
         record = method(name)
         found += [Trial(name, "pixels", size[0] * size[1], size) for size in PIXELS]
         if record.traits.taps_setting:
@@ -69,17 +70,17 @@ def together(some: Sequence[Trial]) -> list[list[Trial]]:
 
 def measure_scaling(setup: ViewSetup, some: Sequence[Trial], rounds: int) -> list[dict[str, Any]]:
     """Times of each trial, or why the method refuses it; all of one size."""
-    settings: dict[str, Settings] = {}
+    ready: dict[str, ScreenSpace] = {}
     refused: dict[str, str] = {}
     for number, one in enumerate(some):
         try:
-            settings[str(number)] = Settings(method=_record(setup, one))
+            ready[str(number)] = ScreenSpace(one.method, one.at, Settings(method=_record(setup, one)))
         except SettingsError as error:
             refused[str(number)] = str(error)
-    found = timed(dataclasses.replace(setup, size=some[0].size), settings, rounds)
+    found = timed(dataclasses.replace(setup, size=some[0].size), ready, rounds)
     refused.update(found.refused)
     return [
-        {"axis": one.axis, "value": one.value, YARD: found.yardstick, "times": found.times[key]}
+        {"axis": one.axis, "value": one.value, "baseline": found.baseline, "times": found.times[key]}
         if (key := str(number)) in found.times
         else {"refused": refused[key]}
         for number, one in enumerate(some)
@@ -108,15 +109,34 @@ def _radius(setup: ViewSetup, record: Method, pixels: float) -> float:
     return pixels
 
 
-def exponents(rows: Sequence[Mapping[str, Any]]) -> list[list[Any]]:
-    """Method, axis, first and last value, milliseconds there, and exponents: of the method's passes, of all, by CPU time."""
-    found: list[list[Any]] = []
+@dataclass(frozen=True, slots=True)
+class Exponents:
+    """How the time of a method grows along an axis: ``time ~ value^exponent``; None of fewer than two values.
+
+    first, last: values, and ``ms_first``, ``ms_last``: milliseconds of all passes there. method, total, cpu: exponents of the
+    method's own passes, of all passes, and of those by CPU time.
+    """
+
+    family: str
+    axis: str
+    first: float
+    last: float
+    ms_first: float
+    ms_last: float
+    method: float | None
+    total: float | None
+    cpu: float | None
+
+
+def exponents(rows: Sequence[Mapping[str, Any]]) -> list[Exponents]:
+    """Fit an exponent to each method on each axis, by least squares of logarithms."""
+    found = []
     for (name, axis), some in series(rows).items():
         values = [row["value"] for row in some]
         own, total = ([row["times"][part]["wall"][MEDIAN] for row in some] for part in ("method", "total"))
         cpu = [row["times"]["total"]["cpu"][MEDIAN] for row in some]
         fitted = [exponent(values, times) if min(times) > 0 else None for times in (own, total, cpu)]
-        found.append([name, AXES[axis], f"{values[0]:,.0f}", f"{values[-1]:,.0f}", total[0], total[-1], *fitted])
+        found.append(Exponents(name, axis, values[0], values[-1], total[0], total[-1], *fitted))
     return found
 
 

@@ -11,13 +11,16 @@ from typing import Any
 from ..io.journal import Journal
 from . import culling_rules, measure, pictures
 from .error_split import reference_visibility, split_error
+from .estimators import Estimator, ScreenSpace
 from .fit import Scalars
 from .fit_track import fitting_views, gather_levels
 from .points import size_text
-from .sweep import RAYS, Sweep
-from .variants import Variant
+from .sweep import Sweep
 from .view_setup import ViewSetup
 from .views import MeasuredView
+
+ESTIMATE = "estimate"
+"""Kind of the journal's rows of estimators as they are."""
 
 Tell = Callable[[float], None]
 """Called with the share of a step that is done."""
@@ -44,7 +47,7 @@ class WorkSteps:
 
     def unfitted(self, view: MeasuredView) -> list[WorkStep]:
         """What can be measured before anything is fitted, as far as it is missing."""
-        made = [self._truth(view), self._methods(view), self._rays(view)]
+        made = [self._truth(view), self._estimates(view)]
         if self.sweep.split and view.size == self.sweep.views[0].size:
             made.append(self._split(view, self.sweep.split))
         if view in fitting_views(self.sweep):
@@ -55,15 +58,15 @@ class WorkSteps:
 
     def fitted(self, view: MeasuredView, found: Mapping[str, Scalars]) -> list[WorkStep]:
         """Measuring under the fits, as far as it is missing."""
-        missing = [v for v in self.sweep.variants if v.label in found and not self.has_fitted(view, v, found)]
+        missing = [one for one in self.sweep.methods if one.label in found and not self.has_fitted(view, one, found)]
 
         def work(setup: ViewSetup, tell: Tell) -> None:
-            some = {v.label: (v, setup.settled(v.settings, found[v.label].radius), found[v.label]) for v in missing}
-            self._measure(view, setup, "fitted", some, tell)
+            some = {one.label: dataclasses.replace(one, radius_factor=found[one.label].radius) for one in missing}
+            self._measure(view, setup, "fitted", some, found, tell)
 
         return [WorkStep(view, "fitted methods", self.cost(view) * len(missing), work)] if missing else []
 
-    def has_fitted(self, view: MeasuredView, variant: Variant, found: Mapping[str, Scalars]) -> bool:
+    def has_fitted(self, view: MeasuredView, variant: ScreenSpace, found: Mapping[str, Scalars]) -> bool:
         """Whether a variant is measured in a view under its fit."""
         key = found[variant.label].key if variant.label in found else ""
         return self.journal.find("fitted", view.name, variant.label, key) is not None
@@ -72,8 +75,8 @@ class WorkSteps:
         """Seconds for a variant, about: frames of all rounds, and metrics."""
         return _million(view) * (0.4 * (self.sweep.rounds + 1) + 2)
 
-    def _missing(self, kind: str, view: MeasuredView, at: str = "") -> list[Variant]:
-        return [v for v in self.sweep.variants if not self.journal.find(kind, view.name, v.label, at)]
+    def _missing(self, kind: str, view: MeasuredView, at: str = "") -> list[ScreenSpace]:
+        return [one for one in self.sweep.methods if not self.journal.find(kind, view.name, one.label, at)]
 
     def _truth(self, view: MeasuredView) -> WorkStep | None:
         if self.journal.find("view", view.name):
@@ -95,17 +98,24 @@ class WorkSteps:
 
         return WorkStep(view, "truth", _million(view) * (self.sweep.tracing.spp or 1024) / 4, work)
 
-    def _methods(self, view: MeasuredView) -> WorkStep | None:
-        missing = self._missing("shipped", view)
+    def _estimates(self, view: MeasuredView) -> WorkStep | None:
+        missing = [one for one in self.sweep.estimators if not self.journal.find(ESTIMATE, view.name, one.label)]
 
         def work(setup: ViewSetup, tell: Tell) -> None:
-            some = {v.label: (v, setup.settled(v.settings), Scalars()) for v in missing}
-            self._measure(view, setup, "shipped", some, tell)
+            self._measure(view, setup, ESTIMATE, {one.label: one for one in missing}, {}, tell)
 
-        return WorkStep(view, "methods", self.cost(view) * len(missing), work) if missing else None
+        return WorkStep(view, "estimators", self.cost(view) * len(missing), work) if missing else None
 
-    def _measure(self, view: MeasuredView, setup: ViewSetup, kind: str, some: measure.Some, tell: Tell) -> None:
-        """Time and error of some settings in a view, each a row; pictures of what is shipped."""
+    def _measure(
+        self,
+        view: MeasuredView,
+        setup: ViewSetup,
+        kind: str,
+        some: Mapping[str, Estimator],
+        fits: Mapping[str, Scalars],
+        tell: Tell,
+    ) -> None:
+        """Time and error of some estimators in a view, each a row; pictures of those that are not fitted."""
         frames, count = (self.sweep.rounds + 1) * (len(some) + 1), 0
 
         def tick() -> None:
@@ -113,36 +123,17 @@ class WorkSteps:
             count += 1
             tell(0.6 * count / frames)
 
-        timed = measure.timed(setup, {label: settings for label, (_, settings, _) in some.items()}, self.sweep.rounds, tick)
-        drawn = {label: some[label][2](setup.draw(some[label][1])) for label in timed.times}
+        found = measure.timed(setup, some, self.sweep.rounds, tick)
+        drawn = {label: fits[label](one.draw()) if label in fits else one.draw() for label, one in found.ready.items()}
         for (label, visibility), errors in zip(drawn.items(), measure.errors(setup, drawn.values()), strict=True):
-            variant, _, scalars = some[label]
-            if kind == "shipped":
+            if kind == ESTIMATE and some[label].pictured:
                 self._picture(view, setup, label, visibility)
-            values = {
-                "times": timed.times[label],
-                "yardstick": timed.yardstick,
-                "errors": errors,
-                "load": measure.machine_load(),
-            }
-            self._add(kind, view, variant, **values, **_under(kind, scalars))
-        for label, reason in timed.refused.items():
+            values = {"times": found.times[label], "baseline": found.baseline, "errors": errors, "load": measure.machine_load()}
+            prepared = dataclasses.asdict(found.ready[label].preparation)
+            self._add(kind, view, some[label], **values, prepared=prepared, **_under(kind, fits.get(label)))
+        for label, reason in found.refused.items():
             if label in some:
-                self._add(kind, view, some[label][0], refused=reason, **_under(kind, some[label][2]))
-
-    def _rays(self, view: MeasuredView) -> WorkStep | None:
-        missing = [spp for spp in RAYS if not self.journal.find("rays", view.name, at=str(spp))]
-
-        def work(setup: ViewSetup, tell: Tell) -> None:
-            for number, spp in enumerate(missing):
-                visibility, times = measure.rays(setup, spp, min(self.sweep.rounds, 3))
-                if spp in (RAYS[0], RAYS[-1]):
-                    self._picture(view, setup, f"rays {spp}", visibility)
-                self.journal.add("rays", view.name, at=str(spp), spp=spp, times=times, errors=setup.errors(visibility))
-                tell((number + 1) / len(missing))
-
-        cost = _million(view) * len(missing) * (3 + 0.7 * self.sweep.rounds)
-        return WorkStep(view, "rays", cost, work) if missing else None
+                self._add(kind, view, some[label], refused=reason, **_under(kind, fits.get(label)))
 
     def _split(self, view: MeasuredView, size: tuple[int, int]) -> WorkStep | None:
         missing = self._missing("split", view, size_text(size))
@@ -151,7 +142,7 @@ class WorkSteps:
             small = dataclasses.replace(setup, size=size, progress=None)
             screen = reference_visibility(small)
             for number, variant in enumerate(missing):
-                refused = (self.journal.find("shipped", view.name, variant.label) or {}).get("refused")
+                refused = (self.journal.find(ESTIMATE, view.name, variant.label) or {}).get("refused")
                 parts = {"refused": refused} if refused else split_error(small, screen, variant.settings)
                 self._add("split", view, variant, at=size_text(size), size=size, **parts)
                 tell(0.3 + 0.7 * (number + 1) / len(missing))
@@ -181,17 +172,14 @@ class WorkSteps:
         if view.name in self.shown:
             pictures.save_method(self.folder, view.name, label, visibility, setup.truth.visibility, setup.depth > 0)
 
-    def _add(self, kind: str, view: MeasuredView, variant: Variant, **values: Any) -> None:
-        table = variant.settings.table()
-        self.journal.add(
-            kind, view.name, variant.label, method=variant.method, preset=variant.preset,
-            settings={key: table[key] for key in table if key != "shading"}, **values,
-        )  # fmt: skip
+    def _add(self, kind: str, view: MeasuredView, one: Estimator, **values: Any) -> None:
+        about: dict[str, Any] = {"family": one.family, "preset": one.preset, "realtime": one.realtime, "settings": one.table()}
+        self.journal.add(kind, view.name, one.label, **about, **values)
 
 
-def _under(kind: str, scalars: Scalars) -> dict[str, Any]:
+def _under(kind: str, scalars: Scalars | None) -> dict[str, Any]:
     """What tells rows under one fit from those under another."""
-    return {"at": scalars.key, "scalars": dataclasses.asdict(scalars)} if kind == "fitted" else {}
+    return {"at": scalars.key, "scalars": dataclasses.asdict(scalars)} if kind == "fitted" and scalars else {}
 
 
 def _million(view: MeasuredView) -> float:
@@ -203,4 +191,4 @@ def shown_views(sweep: Sweep, most: int) -> Sequence[str]:
     first: dict[str, str] = {}
     for view in sweep.views:
         first.setdefault(view.scene, view.name)
-    return list(first.values())[: max(1, most // max(len(sweep.variants), 1))]
+    return list(first.values())[: max(1, most // max(len(sweep.methods), 1))]

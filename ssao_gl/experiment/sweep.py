@@ -11,17 +11,14 @@ from ..errors import SettingsError, near_miss
 from ..scene.projection import Size
 from ..settings import as_table
 from ..truth import Tracing
-from .variants import Variant
+from .estimators import RAYS, Estimator, Rays, ScreenSpace
 from .views import MeasuredView
 
 SPLIT_PIXELS = 320 * 180
 """At most so many pixels has the image for which the exhaustive reference is drawn, unless a size is given."""
 
-RAYS = (1, 2, 4, 8)
-"""Rays a pixel of the baselines."""
-
 BUDGETS = (1.0, 2.0, 4.0, 8.0)
-"""Times at which errors are compared, as multiples of the yardstick."""
+"""Times at which errors are compared, as multiples of the baseline."""
 
 LIMITS = (0.10, 0.075, 0.06, 0.05)
 """Errors (RMSE) at which times are compared."""
@@ -32,10 +29,15 @@ SweepProgress = Callable[[str, float, float], None]
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep:
-    """Views, variants and how they are measured."""
+    """Views, estimators and how they are measured.
+
+    methods: what is drawn by the renderer; only of these are errors split, scalars fitted and times scaled. others: rays at few
+    samples.
+    """
 
     views: Sequence[MeasuredView]
-    variants: Sequence[Variant]
+    methods: Sequence[ScreenSpace]
+    others: Sequence[Estimator] = tuple(map(Rays, RAYS))
     tracing: Tracing
     rounds: int = 5
     fit: tuple[str, ...] = ()
@@ -45,6 +47,11 @@ class Sweep:
     scaling: bool = False
     rules: bool = False
     """Whether the rules of leaving out are measured, each on and off."""
+
+    @property
+    def estimators(self) -> list[Estimator]:
+        """Everything that is measured: the methods, and what they are compared with."""
+        return [*self.methods, *self.others]
 
     @property
     def contents(self) -> dict[str, str]:
@@ -62,6 +69,12 @@ class Sweep:
                 key: machine[key] for key in ("provider", "renderer", "gl_version", "cpu", "cores", "threads", "packages")
             },
         }
+
+
+def check_rounds(rounds: int) -> None:
+    """Raise SettingsError unless there is at least one round of timing."""
+    if rounds < 1:
+        raise SettingsError(f"--rounds {rounds}: must be at least 1")
 
 
 def fitting_scenes(asked: str | None, views: Sequence[MeasuredView]) -> tuple[str, ...]:

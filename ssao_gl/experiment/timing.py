@@ -15,16 +15,27 @@ TimedDraw = Callable[[], Sequence[PassTime]]
 
 
 def interleaved(
-    draws: Mapping[str, TimedDraw], rounds: int, *, tick: Callable[[], None] = lambda: None
+    draws: Mapping[str, TimedDraw],
+    rounds: int,
+    *,
+    most: Mapping[str, int | None] | None = None,
+    tick: Callable[[], None] = lambda: None,
 ) -> dict[str, list[Any]]:
-    """name -> the pass times of each round. A round before the first, not in the result, compiles and warms up."""
+    """Return name -> the pass times of each round. A round before the first, not in the result, compiles and warms up.
+
+    ``most``: rounds after which a name sits out.
+    """
     runs: dict[str, list[Any]] = {name: [] for name in draws}
     order = list(draws)
     for number in range(rounds + 1):
-        for name in order[number % len(order) :] + order[: number % len(order)]:  # another one begins each round
-            times = draws[name]()
-            if number:
-                runs[name].append(times)
+        for name in (
+            order[number % max(len(order), 1) :] + order[: number % max(len(order), 1)]
+        ):  # another one begins each round
+            enough = (most or {}).get(name)
+            if enough is None or number <= enough:
+                times = draws[name]()
+                if number:
+                    runs[name].append(times)
             tick()
     return runs
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from ..errors import SettingsError, near_miss
 from ..methods.base import Method
@@ -12,32 +11,17 @@ from ..methods.lecture import Lecture
 from ..methods.registry import check_presets, method, presets_of, registry
 from ..pipeline.settings import Settings
 from ..settings import assign
-
-DEFAULT = "default"
+from .estimators import DEFAULT, ScreenSpace
 
 TRUTH = "reference"
 """The method that is truth itself, to screen space: too slow to be swept unless it is asked for."""
 
 
-@dataclass(frozen=True, slots=True)
-class Variant:
-    """A method with settings, under a name."""
-
-    method: str
-    preset: str
-    settings: Settings
-
-    @property
-    def label(self) -> str:
-        """What tables and plots call it."""
-        return self.method if self.preset == DEFAULT else f"{self.method} {self.preset}"
-
-
-BASELINE = Variant("lecture", "4 taps, no filter", Settings(method=Lecture(), blur=None, keep=("background",)))
+BASELINE = ScreenSpace("lecture", "4 taps, no filter", Settings(method=Lecture(), blur=None, keep=("background",)))
 """What times are given as multiples of: the lecture's pass alone, 4 taps, timed in the same rounds."""
 
 
-def variants(methods: Sequence[str] = (), presets: Sequence[str] = (), ranges: Iterable[str] = ()) -> list[Variant]:
+def variants(methods: Sequence[str] = (), presets: Sequence[str] = (), ranges: Iterable[str] = ()) -> list[ScreenSpace]:
     """Methods (all but the exhaustive one when none are named) times their presets (all), or times ``ranges``.
 
     ranges: texts like ``alchemy.samples=4,8,16``; several make every combination, upon the method's defaults or the
@@ -48,7 +32,7 @@ def variants(methods: Sequence[str] = (), presets: Sequence[str] = (), ranges: I
     chosen = list(dict.fromkeys(methods)) or [name for name in registry() if name != TRUTH]
     spreads = _spreads(ranges, chosen)
     found = [
-        Variant(name, label, Settings(method=record))
+        ScreenSpace(name, label, Settings(method=record))
         for name in chosen
         for label, record in _records(name, presets, spreads.get(name, {})).items()
     ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -42,10 +43,21 @@ class ViewSetup:
         """By rays; from the cache when it is there."""
         return trace(self.scene, self.camera, self.size, self.tracing, cache=self.cache, progress=self.progress)
 
-    @cached_property
+    @property
     def surface(self) -> Surface:
-        """Where the rays of baselines start."""
-        return surface(self.scene, self.camera, self.size)
+        """Where the rays of estimators start."""
+        return self._surface[0]
+
+    @property
+    def surface_ms(self) -> float:
+        """What it took to make it: Embree's tree of the scene, and a primary ray a pixel."""
+        return self._surface[1]
+
+    @cached_property
+    def _surface(self) -> tuple[Surface, float]:
+        began = time.perf_counter()
+        made = surface(self.scene, self.camera, self.size)
+        return made, 1e3 * (time.perf_counter() - began)
 
     @property
     def radius(self) -> float:

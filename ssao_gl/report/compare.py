@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..experiment.points import MEDIAN
+from ..experiment.steps import ESTIMATE
 
 F64 = NDArray[np.float64]
 DRAWS, COVERED, SEED = 10_000, 95.0, 0
@@ -18,7 +19,7 @@ ERROR, TIME = "RMSE", "time"
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """One variant, before and after: mean RMSE, or time as a multiple of the yardstick.
+    """One variant, before and after: mean RMSE, or time as a multiple of the baseline.
 
     low, high: the middle 95 % of the relative change when views are drawn again with replacement.
     """
@@ -74,11 +75,22 @@ def interval(before: F64, after: F64) -> tuple[float, float]:
 
     Efron, Tibshirani, "An Introduction to the Bootstrap", 1993: percentile interval. Of a single view it is one point.
     """
-    drawn = np.random.default_rng(SEED).integers(0, len(before), (DRAWS, len(before)))
-    old, new = before[drawn].mean(1), after[drawn].mean(1)
-    share = np.where(old > 0, new / np.where(old > 0, old, 1) - 1, (new > 0).astype(float))
-    low, high = np.percentile(share, ((100 - COVERED) / 2, (100 + COVERED) / 2))
-    return float(low), float(high)
+    from scipy.stats import bootstrap
+
+    if len(before) < 2:
+        share = float(_share(before, after, -1))
+        return share, share
+    found = bootstrap(
+        (before, after), _share, paired=True, vectorized=True, n_resamples=DRAWS, batch=1000, confidence_level=COVERED / 100,
+        method="percentile", rng=np.random.default_rng(SEED),
+    )  # fmt: skip
+    return float(found.confidence_interval.low), float(found.confidence_interval.high)
+
+
+def _share(before: F64, after: F64, axis: int = -1) -> F64:
+    """Relative change of the mean; 1 where there was nothing before and is something now."""
+    old, new = before.mean(axis), after.mean(axis)
+    return np.asarray(np.where(old > 0, new / np.where(old > 0, old, 1) - 1, (new > 0).astype(float)))
 
 
 def regressions(found: Sequence[Change], most: float, slowest: float | None) -> list[Change]:
@@ -92,14 +104,14 @@ def regressions(found: Sequence[Change], most: float, slowest: float | None) -> 
 
 
 def _by_variant(report: Mapping[str, Any]) -> dict[str, dict[str, dict[str, float | None]]]:
-    """label -> view -> RMSE and time as multiple of the yardstick."""
+    """label -> view -> RMSE and time as multiple of the baseline."""
     found: dict[str, dict[str, dict[str, float | None]]] = {}
-    for row in report["rows"].get("shipped", []):
+    for row in report["rows"].get(ESTIMATE, []):
         if "errors" in row:
             found.setdefault(row["variant"], {})[row["view"]] = {ERROR: row["errors"].get("rmse"), TIME: _time(row)}
     return found
 
 
 def _time(row: Mapping[str, Any]) -> float | None:
-    yard = (row.get("yardstick") or {}).get("wall", [0, 0, 0])[MEDIAN]
+    yard = (row.get("baseline") or {}).get("wall", [0, 0, 0])[MEDIAN]
     return row["times"]["total"]["wall"][MEDIAN] / yard if yard > 0 else None

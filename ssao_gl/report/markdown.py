@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from html import escape
 from typing import Any
 
 from .facts import facts
@@ -33,4 +35,6 @@ def grid(table: Table) -> str:
 
 
 def _cell(words: str) -> str:
-    return " ".join(words.split()).replace("|", "\\|")
+    """Return words fit for a cell: on one line, and nothing in them is markup."""
+    line = escape(" ".join(words.split()), quote=False)
+    return re.sub(r"([\\|`*\[\]])", r"\\\1", line)

@@ -11,7 +11,9 @@ import numpy as np
 
 from ..errors import SettingsError
 from ..experiment.points import MEDIAN, PlotPoint, marked, time_and_error
+from ..experiment.scaling import AXES, exponents, series
 from .labels import place_labels
+from .tables import split_means
 
 INK = "#454647"
 """Colour of text and axes in the files; the page puts its own text colour there."""
@@ -45,8 +47,9 @@ def plots(found: Mapping[str, Any]) -> list[Plot]:
             title = f"Error against CPU time, {size}, as shipped"
             made += [_drawn(f"front-cpu-{size}", title, _front(at, at["shipped"], clock="cpu"))] if software else []
         if at["fitted_held_out"]:
-            rays = [p for p in at["shipped_held_out"] if p["method"] == "rays"]
-            every = [*at["fitted_held_out"], *rays]
+            fitted = {p["label"] for p in at["fitted_held_out"]}
+            rest = [p for p in at["shipped_held_out"] if p["label"] not in fitted]
+            every = [*at["fitted_held_out"], *rest]
             made.append(_drawn(f"fitted-{size}", f"Error against time, {size}, fitted", _front(at, every, held_out=True)))
         made.append(_drawn(f"passes-{size}", f"Time per pass, {size}", _passes(at)))
     if any("model" in row for row in found["rows"]["split"]):
@@ -93,16 +96,16 @@ def _front(
     at: Mapping[str, Any], points: Sequence[PlotPoint], *, clock: str = "wall", held_out: bool = False
 ) -> Callable[[Any], None]:
     some = marked(points, len(at["held_out" if held_out else "views"]), clock)
-    yard = at["yardstick_ms" if clock == "wall" else "yardstick_cpu_ms"]
+    yard = at["baseline_ms" if clock == "wall" else "baseline_cpu_ms"]
     over = "held-out views" if held_out else "views"
 
     def draw(figure: Any) -> None:
         axes = figure.add_subplot()
         axes.set_xscale("log")
-        style = styles(list(dict.fromkeys(p["method"] for p in at["shipped"])))
-        for name in dict.fromkeys(p["method"] for p in some):
+        style = styles(list(dict.fromkeys(p["family"] for p in at["shipped"])))
+        for name in dict.fromkeys(p["family"] for p in some):
             color, marker = style[name]
-            line = sorted(time_and_error(p, clock) for p in some if p["method"] == name)
+            line = sorted(time_and_error(p, clock) for p in some if p["family"] == name)
             axes.plot(*zip(*line, strict=True), marker=marker, color=color, label=name, lw=1.2, ms=6, alpha=0.9)
         best = sorted(time_and_error(p, clock) for p in some if p["front"])
         if best:
@@ -121,7 +124,7 @@ def _front(
 
 
 def _ranges(axes: Any, yard: float | None, places: Sequence[tuple[float, float]]) -> None:
-    """Room around the points for their names, plain numbers on the time axis, and multiples of the yardstick above it."""
+    """Room around the points for their names, plain numbers on the time axis, and multiples of the baseline above it."""
     from matplotlib.ticker import FuncFormatter, LogLocator
 
     times, errors = zip(*places, strict=True)
@@ -152,7 +155,7 @@ def _name(
     lines = [line.get_transform().transform(line.get_xydata()) for line in axes.get_lines()]
     texts = [
         axes.text(
-            *at, point["label"], fontsize=8.5, color=style[point["method"]][0], weight="bold" if point["front"] else "normal",
+            *at, point["label"], fontsize=8.5, color=style[point["family"]][0], weight="bold" if point["front"] else "normal",
             va="bottom", zorder=5,
         )
         for point, at in zip(points, places, strict=True)
@@ -197,30 +200,23 @@ def _passes(at: Mapping[str, Any]) -> Callable[[Any], None]:
 
 
 def _split(found: Mapping[str, Any]) -> Callable[[Any], None]:
-    from .tables import tables
-
-    table = next(table for table in tables(found) if table.title == "Error split")
+    means = split_means(found)
 
     def draw(figure: Any) -> None:
         axes = figure.add_subplot()
-        names = [column.title for column in table.columns]
-        parts = {
-            name: [float(row[names.index(name)] or 0) for row in table.rows]
-            for name in ("model", "sampling", "filter", "final")
-        }
-        _bars(axes, [str(row[0]) for row in table.rows], parts, stacked=False)
+        shown = ("model", "sampling", "filter", "final")
+        parts = {name: [float(one[name] or 0) for one in means.values()] for name in shown}
+        _bars(axes, list(means), parts, stacked=False)
         axes.set_xlabel("RMSE (mean over views)")
         figure.legend(loc="outside right upper", frameon=False, fontsize=9)
-        figure.set_figheight(1.4 + 0.55 * len(table.rows))
+        figure.set_figheight(1.4 + 0.55 * len(means))
 
     return draw
 
 
 def _scaling(found: Mapping[str, Any]) -> Callable[[Any], None]:
-    from ..experiment.scaling import AXES, exponents, series
-
     rows = found["rows"]["scaling"]
-    slopes = {(row[0], row[1]): row[7] for row in exponents(rows)}
+    slopes = {(one.family, one.axis): one.total for one in exponents(rows)}
 
     def draw(figure: Any) -> None:
         from matplotlib.ticker import FuncFormatter
@@ -232,7 +228,7 @@ def _scaling(found: Mapping[str, Any]) -> Callable[[Any], None]:
             for (name, which), some in series(rows).items():
                 if which == axis:
                     times = [row["times"]["total"]["wall"][MEDIAN] for row in some]
-                    slope = slopes[name, title]
+                    slope = slopes[name, axis]
                     label = f"{name}, exponent {slope:.2f}" if slope is not None else name
                     color, marker = style[name]
                     axes.plot([row["value"] for row in some], times, color=color, marker=marker, label=label, lw=1.2, ms=5)

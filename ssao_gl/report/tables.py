@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from ..experiment import pareto
 from ..experiment.points import MEDIAN, PlotPoint, size_text, time_and_error
+from ..experiment.scaling import AXES, exponents
 from ..experiment.statistics import mean
+from ..experiment.steps import ESTIMATE
 
 Cell = str | float | None
 
@@ -30,6 +32,8 @@ class Table:
     note: str
     columns: Sequence[Column]
     rows: Sequence[Sequence[Cell]]
+    marked: Sequence[bool] = ()
+    """Whether each row stands out: what is on the Pareto front, say. Empty: none does."""
 
 
 ERRORS = (
@@ -51,8 +55,13 @@ KEYS = ("rmse", "bias", "p95", "p99", "max", "psnr", "ssim", "flip", "noise", "r
 COSTS = (
     Column("ms", ".1f", "wall or GPU time of all passes after the G-buffer"),
     Column("CPU ms", ".1f", "of all threads"),
-    Column("× yardstick", ".2f", "multiple of the lecture's 4-tap pass alone, by wall or GPU time"),
+    Column("× baseline", ".2f", "multiple of the lecture's 4-tap pass alone, by wall or GPU time"),
     Column("× by CPU", ".2f", "the same by CPU time"),
+)
+
+PREPARED = (
+    Column("prepared ms", ".1f", "once for a view, before its first frame, and in no other column: a tree of the scene, say"),
+    Column("prepared MiB", ".1f", "what that keeps in memory"),
 )
 
 
@@ -76,18 +85,20 @@ def tables(found: Mapping[str, Any]) -> list[Table]:
 
 def _methods(at: Mapping[str, Any]) -> Table:
     rows: list[list[Cell]] = [
-        [p["label"], "●" if p["front"] else "", p["views"], *_errors(p)[:2], *_costs(p), *_errors(p)[2:]] for p in at["shipped"]
+        [p["label"], "●" if p["front"] else "", p["views"], *_errors(p)[:2], *_costs(p), *_prepared(p), *_errors(p)[2:]]
+        for p in at["shipped"]
     ]
-    rows += [[c["label"], "", c["views"], *_errors(c)[:2], *[None] * 4, *_errors(c)[2:]] for c in at["constants"]]
+    rows += [[c["label"], "", c["views"], *_errors(c)[:2], *[None] * 6, *_errors(c)[2:]] for c in at["constants"]]
     note = (
         f"Means over {len(at['views'])} views, as shipped, nothing fitted. ● is on the Pareto front."
-        f" The yardstick takes {text(at['yardstick_ms'], '.1f')} ms. Rays: Embree on the CPU, then the same joint filter."
+        f" The baseline, the lecture's 4-tap pass alone, takes {text(at['baseline_ms'], '.1f')} ms. Rays: Embree on the CPU, then the same joint filter; its tree and the primary rays are prepared."
     )
     return Table(
         f"Error and time at {at['size']}",
         note,
-        (Column("variant"), Column("front"), Column("views", "d"), *ERRORS[:2], *COSTS, *ERRORS[2:]),
+        (Column("variant"), Column("front"), Column("views", "d"), *ERRORS[:2], *COSTS, *PREPARED, *ERRORS[2:]),
         rows,
+        [bool(row[1]) for row in rows],
     )
 
 
@@ -99,28 +110,32 @@ def _costs(point: Mapping[str, Any]) -> list[Cell]:
     return [point["wall"]["total"], point["cpu"]["total"], point["ratio"], point["cpu_ratio"]]
 
 
-def _by_method(at: Mapping[str, Any]) -> dict[str, list[PlotPoint]]:
-    """Points that took part in every view, by method."""
+def _prepared(point: Mapping[str, Any]) -> list[Cell]:
+    return [point["prepared"]["ms"], point["prepared"]["bytes"] / 2**20]
+
+
+def _by_family(at: Mapping[str, Any]) -> dict[str, list[PlotPoint]]:
+    """Points that took part in every view, by family."""
     found: dict[str, list[PlotPoint]] = {}
     for point in at["shipped"]:
         if point["views"] == len(at["views"]):
-            found.setdefault(point["method"], []).append(point)
+            found.setdefault(point["family"], []).append(point)
     return found
 
 
 def _equal_time(found: Mapping[str, Any], at: Mapping[str, Any]) -> Table:
-    yard = at["yardstick_ms"]
+    yard = at["baseline_ms"]
     budgets = [(factor, factor * yard) for factor in found["budgets"]] if yard else []
-    rows = [[name, *(pareto.at_time(map(time_and_error, p), ms) for _, ms in budgets)] for name, p in _by_method(at).items()]
+    rows = [[name, *(pareto.at_time(map(time_and_error, p), ms) for _, ms in budgets)] for name, p in _by_family(at).items()]
     columns = [Column(f"≤ {factor:g}× ({ms:.0f} ms)", ".4f") for factor, ms in budgets]
-    note = "Smallest mean RMSE of any preset within a time after the G-buffer, given as a multiple of the yardstick."
+    note = "Smallest mean RMSE of any preset within a time after the G-buffer, given as a multiple of the baseline."
     return Table(f"Error at equal time, {at['size']}", note, (Column("method"), *columns), rows if budgets else [])
 
 
 def _equal_error(found: Mapping[str, Any], at: Mapping[str, Any]) -> Table:
     rows = [
         [name, *(pareto.at_error(map(time_and_error, p), limit) for limit in found["limits"])]
-        for name, p in _by_method(at).items()
+        for name, p in _by_family(at).items()
     ]
     columns = [Column(f"RMSE ≤ {limit:g}", ".1f") for limit in found["limits"]]
     note = "Milliseconds after the G-buffer of the fastest preset that is at least this good."
@@ -131,8 +146,8 @@ def _hypervolume(at: Mapping[str, Any]) -> Table:
     volumes = at["hypervolume"]
     rows = [[name, value] for name, value in volumes.items() if name != "worst" and value is not None]
     note = (
-        "Share of the box from 1/4 to 64 times the yardstick (logarithmic) and from RMSE 0 to that of the constant mean"
-        f" ({text(volumes['worst'], '.4f')}) that a method's presets dominate. The larger the better; ‘all’ leaves rays out."
+        "Share of the box from 1/4 to 64 times the baseline (logarithmic) and from RMSE 0 to that of the constant mean"
+        f" ({text(volumes['worst'], '.4f')}) that a method's presets dominate. The larger the better; ‘all’ leaves out what goes by more than a frame shows, like rays."
     )
     return Table(f"Hypervolume, {at['size']}", note, (Column("method"), Column("share", ".4f")), rows)
 
@@ -157,17 +172,12 @@ def _fitted(found: Mapping[str, Any], at: Mapping[str, Any]) -> Table:
 
 def _passes(at: Mapping[str, Any], found: Mapping[str, Any]) -> Table:
     rows: list[list[Cell]] = []
-    for kind in ("shipped", "rays"):
-        by_label: dict[str, list[Mapping[str, Any]]] = {}
-        for row in found["rows"][kind]:
-            if row["view"] in at["views"] and "times" in row:
-                by_label.setdefault(row["variant"] or f"rays {row['spp']}", []).append(row["times"])
-        for label, times in by_label.items():
-            names = dict.fromkeys(name for one in times for name in one["passes"])
-            for name in names:
-                some = [one["passes"][name] for one in times if name in one["passes"]]
-                quarters = [mean([one["wall"][i] for one in some]) for i in (0, MEDIAN, 2)]
-                rows.append([label, name, *quarters, mean([one["cpu"][MEDIAN] for one in some])])
+    timed = [row for row in found["rows"][ESTIMATE] if row["view"] in at["views"] and "times" in row]
+    for label, some in _grouped(timed).items():
+        for name in dict.fromkeys(name for row in some for name in row["times"]["passes"]):
+            ones = [row["times"]["passes"][name] for row in some if name in row["times"]["passes"]]
+            quarters = [mean([one["wall"][i] for one in ones]) for i in (0, MEDIAN, 2)]
+            rows.append([label, name, *quarters, mean([one["cpu"][MEDIAN] for one in ones])])
     columns = (
         Column("variant"), Column("pass"), Column("lower quartile", ".2f"), Column("median ms", ".2f"),
         Column("upper quartile", ".2f"), Column("CPU ms", ".2f"),
@@ -175,30 +185,41 @@ def _passes(at: Mapping[str, Any], found: Mapping[str, Any]) -> Table:
     return Table(f"Time per pass, {at['size']}", "Quartiles over interleaved rounds, then means over views.", columns, rows)
 
 
-def _split(found: Mapping[str, Any]) -> Table:
-    parts = ("model", "sampling", "estimator", "filter", "raw", "final")
-    rows: list[list[Cell]] = []
+SPLIT = ("model", "sampling", "estimator", "filter", "raw", "final")
+"""Parts of an error; see :mod:`ssao_gl.experiment.error_split`."""
+
+
+def split_means(found: Mapping[str, Any]) -> dict[str, dict[str, float | None]]:
+    """Return label -> part of the error -> its mean over views."""
     grouped = _grouped(row for row in found["rows"]["split"] if "model" in row)
-    for label, some in grouped.items():
-        rows.append([label, *(mean([row[part] for row in some]) for part in parts)])
+    return {label: {part: mean([row[part] for row in some]) for part in SPLIT} for label, some in grouped.items()}
+
+
+def _split(found: Mapping[str, Any]) -> Table:
+    rows: list[list[Cell]] = [[label, *parts.values()] for label, parts in split_means(found).items()]
     size = next((size_text(row["size"]) for row in found["rows"]["split"] if "size" in row), "")
     note = (
         f"At {size}. model: exhaustive screen-space reference against rays. sampling: unfiltered against that reference;"
         " estimator: the same with the noise averaged away. filter: filtered against unfiltered without noise. raw and final:"
         " unfiltered and filtered against rays. RMSE, means over views; parts cancel, so they are no sum."
     )
-    return Table("Error split", note, (Column("variant"), *(Column(part, ".4f") for part in parts)), rows)
+    return Table("Error split", note, (Column("variant"), *(Column(part, ".4f") for part in SPLIT)), rows)
 
 
 def _scaling(found: Mapping[str, Any]) -> Table:
-    from ..experiment.scaling import exponents
-
     columns = (
         Column("method"), Column("against"), Column("from"), Column("to"), Column("ms at first", ".1f"), Column("ms at last", ".1f"),
         Column("exponent, method", ".2f"), Column("exponent, all passes", ".2f"), Column("by CPU time", ".2f"),
     )  # fmt: skip
     note = "Time ~ size^exponent, least squares of logarithms, on the first view; 1 is linear, 0 is no dependence."
-    return Table("Scaling", note, columns, exponents(found["rows"]["scaling"]))
+    rows: list[list[Cell]] = [
+        [
+            one.family, AXES[one.axis], f"{one.first:,.0f}", f"{one.last:,.0f}", one.ms_first, one.ms_last, one.method, one.total,
+            one.cpu,
+        ]
+        for one in exponents(found["rows"]["scaling"])
+    ]  # fmt: skip
+    return Table("Scaling", note, columns, rows)
 
 
 def _rules(found: Mapping[str, Any]) -> Table:
@@ -224,7 +245,7 @@ def _rules(found: Mapping[str, Any]) -> Table:
 
 
 def _views(found: Mapping[str, Any]) -> Table:
-    grouped = _grouped([*found["rows"]["shipped"], *found["rows"]["rays"]])
+    grouped = _grouped(found["rows"][ESTIMATE])
     labels = list(grouped)
     cells = {(label, row["view"]): row["errors"]["rmse"] for label, some in grouped.items() for row in some if "errors" in row}
     rows = [[view["view"], *(cells.get((label, view["view"])) for label in labels)] for view in found["rows"]["view"]]
@@ -248,13 +269,13 @@ def _truth(found: Mapping[str, Any]) -> Table:
 
 
 def _refused(found: Mapping[str, Any]) -> Table:
-    rows = [[row["variant"], row["view"], row["refused"]] for row in found["rows"]["shipped"] if "refused" in row]
+    rows = [[row["variant"], row["view"], row["refused"]] for row in found["rows"][ESTIMATE] if "refused" in row]
     return Table("Not measured", "Views that a method refuses.", (Column("variant"), Column("view"), Column("reason")), rows)
 
 
-def _grouped(rows: Any) -> dict[str, list[Mapping[str, Any]]]:
+def _grouped(rows: Iterable[Mapping[str, Any]]) -> dict[str, list[Mapping[str, Any]]]:
+    """Rows by the label of their estimator."""
     found: dict[str, list[Mapping[str, Any]]] = {}
-    label: Callable[[Mapping[str, Any]], str] = lambda row: row["variant"] or f"rays {row['spp']}"  # noqa: E731
     for row in rows:
-        found.setdefault(label(row), []).append(row)
+        found.setdefault(row["variant"], []).append(row)
     return found

@@ -6,14 +6,13 @@ import collections
 import dataclasses
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from html import escape
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from ..io.atomic import atomic_write
+from ..io.pages import page
 from .fuzz import PREFIX
 from .verdicts import ABSENT, DECLARED, FAIL, PASS, CaseResult
 
@@ -100,32 +99,42 @@ def _label(row: CaseResult) -> str:
     return row.method if row.preset == "default" else f"{row.method}:{row.preset}"
 
 
+@dataclass(frozen=True, slots=True)
+class PageTable:
+    """A table of the page."""
+
+    title: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+
+
 def stress_page(results: StressResults, facts: Mapping[str, Any]) -> str:
-    """All of it as HTML."""
-    css = files("ssao_gl.report").joinpath("web", "page.css").read_text("utf-8")
-    title = "Numerical stability of ambient occlusion"
-    counts = ", ".join(f"{number} {verdict}" for verdict, number in results.counts().items())
-    head = f'<header><h1>{title}</h1><p class="lead">{escape(counts)}</p><p><code>{escape(str(facts.get("command", "")))}</code></p></header>'
-    listed = _definitions({key: value for key, value in facts.items() if key != "command"})
-    parts = [
-        _table(
-            "Failures", ("case", "method", "provider", "reason", "measured", "bound", "replay"), map(_failure, results.failed)
+    """Return all of it as HTML."""
+    named = ("case", "method", "preset", "provider", "verdict", "measured", "what", "bound", "declared", "why")
+    tables = [
+        PageTable(
+            "Failures",
+            ("case", "method", "provider", "reason", "measured", "bound", "replay"),
+            [_failure(row) for row in results.failed],
         ),
-        _table(
-            "Named cases",
-            ("case", "method", "preset", "provider", "verdict", "measured", "what", "bound", "declared", "why"),
-            map(_named, results.named),
-        ),
-        _table(
+        PageTable("Named cases", named, [_named(row) for row in results.named]),
+        PageTable(
             "Random cases",
             ("provider", "method", "preset", "verdict", "cases"),
-            ((*key, n) for key, n in results.random.items()),
+            [(*key, n) for key, n in results.random.items()],
         ),
-        f"<section><h2>Made with</h2>{listed}</section>",
     ]
-    charset = '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
-    body = f"{head}<main>{''.join(parts)}</main>"
-    return f'<!doctype html><html lang="en">{charset}<title>{title}</title><style>{css}</style>{body}</html>\n'
+    return page(
+        __package__,
+        "stress.html",
+        title="Numerical stability of ambient occlusion",
+        lead=", ".join(f"{number} {verdict}" for verdict, number in results.counts().items()),
+        command=str(facts.get("command", "")),
+        tables=tables,
+        fail=FAIL,
+        facts={key: value for key, value in facts.items() if key != "command"},
+        text=_text,
+    )
 
 
 def _failure(row: CaseResult) -> tuple[Any, ...]:
@@ -137,18 +146,5 @@ def _named(row: CaseResult) -> tuple[Any, ...]:
     return row.case, row.method, row.preset, row.provider, row.verdict, row.measured, row.unit, row.bound, declared, row.reason
 
 
-def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
-    heads = "".join(f"<th>{escape(column)}</th>" for column in columns)
-    lines = ["".join(f"<td>{escape(_text(value))}</td>" for value in row) for row in rows]
-    if not lines:
-        return f'<section><h2>{title}</h2><p class="note">none</p></section>'
-    body = "".join(f"<tr{' class=front' if f'<td>{FAIL}</td>' in line else ''}>{line}</tr>" for line in lines)
-    return f'<section><h2>{title}</h2><div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table></div></section>'
-
-
 def _text(value: Any) -> str:
     return "" if value is None else f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _definitions(pairs: Mapping[str, Any]) -> str:
-    return "<dl>" + "".join(f"<dt>{escape(key)}</dt><dd>{escape(str(value))}</dd>" for key, value in pairs.items()) + "</dl>"

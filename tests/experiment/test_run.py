@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from ssao_gl.cli import main
-from ssao_gl.experiment.culling_rules import SUBJECTS
+from ssao_gl.experiment.culling_rules import subjects
 from ssao_gl.experiment.run import Run
 
 pytest.importorskip("embreex")
@@ -51,12 +51,12 @@ def test_all_files_are_there_and_tell_the_same(folder: Path) -> None:
     (at,) = results["sizes"]
     labels = [point["label"] for point in at["shipped"]]
     assert labels == ["alchemy low", "lecture 4", "rays 1", "rays 2", "rays 4", "rays 8"]
-    assert any(point["front"] for point in at["shipped"]) and at["yardstick_ms"] > 0
+    assert any(point["front"] for point in at["shipped"]) and at["baseline_ms"] > 0
     assert {row["variant"] for row in results["rows"]["split"]} == {"alchemy low", "lecture 4"}
     assert {"renderer", "gl_version", "cores", "packages", "commit"} <= set(results["machine"])
     with (folder / "results.csv").open() as file:
         lines = list(csv.DictReader(file))
-    assert [line["track"] for line in lines] == ["shipped"] * 2 + ["fitted"] * 2 + ["rays"] * 4
+    assert [line["track"] for line in lines] == ["as shipped"] * 6 + ["fitted"] * 2
     for label in labels:
         assert label in (folder / "report.md").read_text()
     for name in ("front-64x36", "front-cpu-64x36", "fitted-64x36", "passes-64x36", "split"):
@@ -72,11 +72,23 @@ def test_errors_are_sound(folder: Path) -> None:
     assert fitted["alchemy low"] <= error["alchemy low"] + 1e-3  # one scene: it is fitted where it is measured
 
 
+def test_what_is_prepared_stands_apart_from_frames(folder: Path) -> None:
+    """Rays keep a tree of the scene; methods of the screen keep nothing of it."""
+    points = json.loads((folder / "results.json").read_text())["sizes"][0]["shipped"]
+    for point in points:
+        prepared = point["prepared"]
+        assert (prepared["ms"] > 0 and prepared["bytes"] > 0) == (not point["realtime"]), point["label"]
+    with (folder / "results.csv").open() as file:
+        lines = {line["variant"]: line for line in csv.DictReader(file) if line["track"] == "as shipped"}
+    assert float(lines["rays 1"]["prepared_ms"]) > 0 and float(lines["alchemy low"]["prepared_bytes"]) == 0
+    assert "prepared ms" in (folder / "report.md").read_text()
+
+
 def test_rules_are_shown_on_and_off(folder: Path) -> None:
     """Where there are few views, without being asked for."""
     results = json.loads((folder / "results.json").read_text())
     (row,) = results["rows"]["rules"]
-    assert {one["label"] for one in row["rules"]} == set(SUBJECTS)
+    assert {one["label"] for one in row["rules"]} == set(subjects())
     assert {one["rule"] for one in row["rules"]} >= {"background", "adaptive", "all"}
     for one in row["rules"]:
         assert 0 < one["pixels"] <= 1 and one["on"] > 0 and one["off"] > 0
@@ -103,7 +115,7 @@ def test_a_second_start_measures_nothing(folder: Path, monkeypatch: pytest.Monke
 
 def test_the_gate(folder: Path, tmp_path: Path) -> None:
     results = json.loads((folder / "results.json").read_text())
-    for row in results["rows"]["shipped"]:
+    for row in results["rows"]["estimate"]:
         row["errors"]["rmse"] *= 1.1
     worse = tmp_path / "worse.json"
     worse.write_text(json.dumps(results))
@@ -113,6 +125,14 @@ def test_the_gate(folder: Path, tmp_path: Path) -> None:
             main(["-q", "report", "--compare", str(old), str(new)])
         codes.append(left.value.code)
     assert codes == [1, 0]
+
+
+def test_results_of_another_format_are_refused(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    old = tmp_path / "old.json"
+    old.write_text(json.dumps({**json.loads((folder / "results.json").read_text()), "format": "ssao_gl report 1"}))
+    with pytest.raises(SystemExit) as left:
+        main(["report", "--compare", str(old), str(folder / "results.json")])
+    assert left.value.code == 2 and "'format' is not 'ssao_gl report 2'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -78,11 +78,11 @@ def test_bootstrap_sees_a_change_and_no_change() -> None:
 def report(**scale: float) -> dict[str, object]:
     times = {"total": {"wall": [1.0, 2.0, 3.0]}}
     rows = [
-        {"variant": name, "view": f"v{i}", "errors": {"rmse": 0.1 * factor * (1 + 0.01 * i)}, "times": times, "yardstick": {"wall": [1, 1, 1]}}
+        {"variant": name, "view": f"v{i}", "errors": {"rmse": 0.1 * factor * (1 + 0.01 * i)}, "times": times, "baseline": {"wall": [1, 1, 1]}}
         for name, factor in scale.items()
         for i in range(4)
     ]  # fmt: skip
-    return {"rows": {"shipped": [*rows, {"variant": "a", "view": "w", "refused": "no"}]}}
+    return {"rows": {"estimate": [*rows, {"variant": "a", "view": "w", "refused": "no"}]}}
 
 
 def test_comparison_names_regressions_only_beyond_the_limit() -> None:
@@ -128,7 +128,7 @@ def test_variants_are_presets_or_ranges() -> None:
     swept = variants.variants(["alchemy", "lecture"], ranges=["alchemy.samples=3,5", "alchemy.bias=0.002"])
     assert [v.label for v in swept][:2] == ["alchemy samples=3 bias=0.002", "alchemy samples=5 bias=0.002"]
     assert swept[1].settings.method.samples == 5  # type: ignore[attr-defined]
-    assert "reference" not in {variant.method for variant in variants.variants()}
+    assert "reference" not in {one.family for one in variants.variants()}
 
 
 @pytest.mark.parametrize(
@@ -149,8 +149,8 @@ def test_unknown_variants_say_what_there_is(arguments: tuple[list[str], ...], me
 def row(variant: str, view: str, rmse: float, ms: float) -> dict[str, object]:
     clocks = {"wall": [ms, ms, ms], "cpu": [ms, ms, ms]}
     times = {"passes": {variant: clocks}, **dict.fromkeys((*timing.GROUPS, "total"), clocks)}
-    return {"variant": variant, "view": view, "method": variant, "preset": "default", "errors": {"rmse": rmse, "bias": 0.0},
-            "times": times, "yardstick": {"wall": [5, 5, 5], "cpu": [5, 5, 5]}}  # fmt: skip
+    return {"variant": variant, "view": view, "family": variant, "preset": "default", "realtime": True, "prepared": {"ms": 0.0, "bytes": 0}, "errors": {"rmse": rmse, "bias": 0.0},
+            "times": times, "baseline": {"wall": [5, 5, 5], "cpu": [5, 5, 5]}}  # fmt: skip
 
 
 def test_points_are_means_and_a_variant_that_sits_out_is_no_rival() -> None:
