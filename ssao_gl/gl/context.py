@@ -14,6 +14,8 @@ import moderngl
 from ..errors import ContextError, one_line
 from .guest_state import GlState
 from .loader import Functions, GetProc, Loader
+from .ownership import Ownership
+from .process import check_process, return_freed_memory
 
 Api = Literal["es", "gl"]
 
@@ -24,7 +26,10 @@ SOFTWARE = ("llvmpipe", "softpipe", "swiftshader", "software", "swrast", "lavapi
 
 @dataclass
 class Context:
-    """One OpenGL (ES) context. Use it in the thread that made it, and ``release`` it, or leave a ``with`` block."""
+    """One OpenGL (ES) context. ``release`` it, or leave a ``with`` block.
+
+    What ssao_gl opened by EGL or OSMesa may be used in any thread, one at a time; others stay in the thread that made them.
+    """
 
     provider: str
     platform: str
@@ -32,12 +37,13 @@ class Context:
     mgl: moderngl.Context
     functions: Functions
     loader: Loader | None = None
-    make_current: Callable[[], Callable[[], None]] = lambda: lambda: None
-    """Returns what makes current again the context of somebody else that was before."""
+    make_current: Callable[[], Callable[[], None]] | None = None
+    """Returns what makes current again whatever was before, be it nothing. None: the caller makes it current."""
     close: Callable[[], None] = lambda: None
     """Destroys what :func:`ssao_gl.gl.open` made; does nothing for a context of the caller."""
     leave: Callable[[], None] = lambda: None
     """Makes current again what was before :func:`ssao_gl.gl.open`, if anything was."""
+    ownership: Ownership = field(default_factory=Ownership)
     version: str = field(init=False)
     renderer: str = field(init=False)
     max_size: int = field(init=False)
@@ -56,24 +62,50 @@ class Context:
         self.release()
 
     def release(self) -> None:
-        """Destroy the context if ssao_gl made it. Calling it twice does no harm."""
-        if not self.released:
+        """Destroy the context if ssao_gl made it. Calling it twice does no harm, nor does calling it in a forked child."""
+        if self.ownership.inherited:
             self.released = True
-            self.close()
+        with self.ownership.lock:
+            if not self.released:
+                self.released = True
+                self.close()
+                return_freed_memory()
 
     @contextmanager
     def current(self) -> Iterator[None]:
-        """Within the block this context is current; after it, whichever other one was before."""
-        back = self.make_current()
-        try:
-            with self.refusals():
+        """Within the block this context is current, and other threads wait for it; after it, whichever one was before.
+
+        Raises ContextError in a thread or process that cannot use it, and for what OpenGL refuses to make.
+        """
+        if self.make_current is None:
+            with self.callers():
                 yield
-        finally:
-            back()
+            return
+        with self.ownership.held(), self._refusals():
+            if self.released:
+                raise ContextError("the OpenGL context was released; make another")
+            try:
+                back = self.make_current()
+            except OSError as reason:
+                raise ContextError(
+                    f"{self.provider}: {reason}. Is it current in another thread? Make one Renderer a thread"
+                ) from None
+            try:
+                yield
+            finally:
+                back()
 
     @contextmanager
-    def refusals(self) -> Iterator[None]:
-        """Within the block, what OpenGL refuses to make raises ContextError."""
+    def callers(self) -> Iterator[None]:
+        """Within the block the context is used where the caller has made it current. Raises ContextError like :meth:`current`."""
+        with self.ownership.held(self._is_any_current), self._refusals():
+            yield
+
+    def _is_any_current(self) -> bool:
+        return bool(self.functions.integers(GL_MAJOR_VERSION)[0])
+
+    @contextmanager
+    def _refusals(self) -> Iterator[None]:
         try:
             yield
         except moderngl.Error as error:
@@ -116,7 +148,7 @@ def attach(
     get_proc: GetProc,
     *,
     api: Api | None = None,
-    make_current: Callable[[], Callable[[], None]] = lambda: lambda: None,
+    make_current: Callable[[], Callable[[], None]] | None = None,
     close: Callable[[], None] = lambda: None,
     leave: Callable[[], None] = lambda: None,
 ) -> Context:
@@ -124,6 +156,7 @@ def attach(
 
     Raises ContextError when nothing is current or the version is too old (OpenGL ES 3.0 or OpenGL 3.3 is needed).
     """
+    check_process()
     functions = Functions(get_proc)
     if not get_proc("glGetString"):
         raise ContextError("get_proc finds no glGetString: is it the right function for this context?")
@@ -147,6 +180,7 @@ def attach(
     state.restore(before)
     state.restore_made_by_moderngl(made)
     context = Context(provider, platform, found, mgl, functions, loader, make_current, close, leave)
+    context.ownership.rebinds = make_current is not None
     if found == "es":
         _need_float_targets(context)
     context.check_error("opening the context")

@@ -30,7 +30,8 @@ Display = int
 class EglContext:
     """A live context. ``get_proc`` answers for it, ``make_current`` and ``release`` own its life.
 
-    ``make_current`` returns, and ``leave`` is, what makes current again the context of somebody else that was before.
+    ``make_current`` returns, and ``leave`` is, what makes current again whatever was before, be it nothing: so the context is
+    free for other threads.
     """
 
     platform: str
@@ -134,16 +135,17 @@ def open_context(egl: Egl, candidates: Iterator[tuple[str, Display]], *, es: boo
             return _open_on(egl, platform, display, back, es=es)
         except OSError as reason:
             reasons.append(f"{platform}: {reason}")
-    back()
+    if back:
+        back()
     raise OSError("; ".join(reasons) or "libEGL offers no display")
 
 
-def _way_back(egl: Egl, own: int = 0) -> Callable[[], None]:
-    """Return what makes current again what is current now; does nothing when that is ``own``, or nothing at all."""
+def _way_back(egl: Egl) -> Callable[[], None] | None:
+    """Return what makes current again the context that is current now; None when there is none."""
     api = egl.function("eglQueryAPI", U)()
     context = egl.function("eglGetCurrentContext", P)()
-    if not context or context == own:
-        return lambda: None
+    if not context:
+        return None
     display = egl.function("eglGetCurrentDisplay", P)()
     draw, read = (egl.function("eglGetCurrentSurface", P, I)(which) for which in (EGL_DRAW, EGL_READ))
 
@@ -154,7 +156,7 @@ def _way_back(egl: Egl, own: int = 0) -> Callable[[], None]:
     return back
 
 
-def _open_on(egl: Egl, platform: str, display: Display, back: Callable[[], None], *, es: bool) -> EglContext:
+def _open_on(egl: Egl, platform: str, display: Display, before: Callable[[], None] | None, *, es: bool) -> EglContext:
     if not display:
         raise OSError("no display")
     if not egl.function("eglInitialize", U, P, P, P)(display, None, None):
@@ -177,8 +179,12 @@ def _open_on(egl: Egl, platform: str, display: Display, back: Callable[[], None]
     which = egl.function("eglGetCurrentContext", P)
     get_string = egl.extension("glGetString", S, U)
 
+    def unbind() -> None:
+        bind(EGL_OPENGL_ES_API if es else EGL_OPENGL_API)
+        current(display, None, None, None)
+
     def make_current() -> Callable[[], None]:
-        back = _way_back(egl, context)
+        back = (lambda: None) if which() == context else _way_back(egl) or unbind
         bind(EGL_OPENGL_ES_API if es else EGL_OPENGL_API)
         if which() == context and get_string and not get_string(GL_VERSION):  # OSMesa took it away, and EGL did not notice
             current(display, None, None, None)
@@ -188,14 +194,13 @@ def _open_on(egl: Egl, platform: str, display: Display, back: Callable[[], None]
 
     def release() -> None:
         if which() == context:
-            bind(EGL_OPENGL_ES_API if es else EGL_OPENGL_API)
-            current(display, None, None, None)
+            unbind()
         if surface:
             egl.function("eglDestroySurface", U, P, P)(display, surface)
         egl.function("eglDestroyContext", U, P, P)(display, context)
 
     make_current()
-    return EglContext(platform, egl.get_proc, make_current, release, back)
+    return EglContext(platform, egl.get_proc, make_current, release, before or unbind)
 
 
 def _config(egl: Egl, display: Display, renderable: int) -> int:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from .egl import EglContext
+from .process import skip_exit_handlers_of_children
 
 I, P, S = ctypes.c_int, ctypes.c_void_p, ctypes.c_char_p
 
@@ -18,6 +19,7 @@ OSMESA_CONTEXT_MAJOR_VERSION, OSMESA_CONTEXT_MINOR_VERSION, GL_UNSIGNED_BYTE = 0
 def open_context() -> EglContext:
     """Return a core 3.3 (or later) context. Raises OSError with the reason."""
     lib = _library()
+    skip_exit_handlers_of_children()
 
     def function(name: str, result: Any, *arguments: Any) -> Any:
         function = getattr(lib, name)
@@ -50,7 +52,8 @@ def open_context() -> EglContext:
         return back
 
     def release() -> None:
-        leave()
+        if which() == context:
+            leave()
         function("OSMesaDestroyContext", None, P)(context)
 
     make_current()

@@ -17,6 +17,7 @@ from ..errors import ContextError, SettingsError, near_miss
 from . import egl, osmesa
 from .context import Api, Context, attach
 from .loader import GetProc
+from .process import check_process
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +137,7 @@ def open_context(provider: str = "auto", *, api: Api | None = None) -> Context:
         names = ", ".join(["auto", *PROVIDERS])
         raise SettingsError(f"--gl {provider}: unknown provider; one of {names}.{near_miss(provider, PROVIDERS)}")
     tried = list(PROVIDERS.values()) if provider == "auto" else [PROVIDERS[provider]]
+    check_process()
     reasons = []
     for candidate in tried:
         try:
@@ -156,6 +158,7 @@ def wrap_current(get_proc: GetProc | None = None, *, api: Api | None = None) -> 
     ``get_proc`` maps a GL function name to its address (``eglGetProcAddress`` and its kin, as an int); without it the
     usual libraries are searched for the one that has a current context. ``api`` ("es" or "gl") only checks.
     """
+    check_process()
     return attach("current", "the caller's", get_proc or find_get_proc(), api=api)
 
 
@@ -163,6 +166,7 @@ def wrap_moderngl(mgl: moderngl.Context, *, provider: str = "current", close: Ca
     """Use a moderngl context of the caller; it must be current. Raises ContextError when it cannot be used."""
     from .loader import Functions, Loader
 
+    check_process()
     if not isinstance(mgl, moderngl.Context):
         raise ContextError(f"expected a moderngl.Context or a context of ssao_gl.gl, got {type(mgl).__name__}")
     # What moderngl loaded its own functions with knows the right library, wherever the context came from.

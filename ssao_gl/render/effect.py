@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import operator
 import os
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from types import TracebackType
 from typing import Any, SupportsIndex
 
@@ -61,7 +61,7 @@ class Effect:
         self._debug = os.environ.get("SSAO_GL_DEBUG") == "1"
         self.times: Sequence[PassTime] = ()
         """Milliseconds of each pass of the last call that was ``timed``."""
-        with self._guest:
+        with self._used():
             self._resources = GpuResources(self._ctx)
             self._frames: FrameCache[_Key] | None = FrameCache(self._resources, MOST_LAYOUTS)
 
@@ -75,14 +75,14 @@ class Effect:
         self._settings = _with_radius(settings)
         if self._frames is not None:
             kept = {self._plan(*key[2:]).layout for key in self._frames.keys}
-            with self._guest:
+            with self._used():
                 self._frames.retain(kept)
 
     def resize(self, width: int, height: int) -> None:
         """Your textures have another size from now on: frees everything made for the old one. Raises SettingsError."""
         self.size = _checked_size(width, height)
         if self._frames is not None:
-            with self._guest:
+            with self._used():
                 self._frames.clear()
 
     def apply(
@@ -112,8 +112,7 @@ class Effect:
         view = camera.view(self.size)
         check_camera(self.settings, view)
         with ExitStack() as stack:
-            stack.enter_context(self._ctx.refusals())
-            stack.enter_context(self._guest)
+            stack.enter_context(self._used())
             inputs = {name: self._texture(SHOWN[name], image) for name, image in given.items() if image is not None}
             copies = {}
             if target is not None:
@@ -129,6 +128,12 @@ class Effect:
         """Return the plan as text: passes, formats, slots, MiB, what was left out and why."""
         output = IMAGE if color else VISIBILITY
         return self._plan(depth_kind, normal, output).describe()
+
+    @contextmanager
+    def _used(self) -> Iterator[None]:
+        """Use the caller's context and leave its state as it was. Raises ContextError where it is not current, or not this process's."""
+        with self._ctx.callers(), self._guest:
+            yield
 
     def _frame(self, depth_kind: str, normals: bool, output: str) -> FrameExecutor:
         if self._frames is None:
@@ -171,8 +176,8 @@ class Effect:
 
     def release(self) -> None:
         """Free every GL object that the effect made. Calling it twice does no harm."""
-        if self._frames is not None and not self._ctx.released:
-            with self._guest:
+        if self._frames is not None and not self._ctx.released and not self._ctx.ownership.inherited:
+            with self._used():
                 self._frames.clear()
                 self._resources.release()
         self._frames = None

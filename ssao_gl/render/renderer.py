@@ -7,6 +7,7 @@ import importlib
 import importlib.metadata
 import time
 import warnings
+import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import TracebackType
@@ -96,6 +97,8 @@ class Renderer:
             self.ctx.leave()
         self._frames: FrameCache[Any] = FrameCache(self._resources, keep)
         self._scene: SceneBuffers | None = None
+        if self._opened:
+            weakref.finalize(self, self.ctx.release).atexit = False  # with a context go all of its objects
 
     @_current
     def render(
@@ -143,7 +146,12 @@ class Renderer:
     ) -> Callable[[], object]:
         """Return a function that draws the frame again and waits for nothing: what a loop of one's own would call."""
         made, frame, seen = self._ready(scene, camera, size, settings, aovs)
-        return lambda: frame.run(made.view, scene=seen, region=made.region)
+
+        def again() -> object:
+            with self.ctx.current():
+                return frame.run(made.view, scene=seen, region=made.region)
+
+        return again
 
     @_current
     def resource(
@@ -289,14 +297,18 @@ class Renderer:
         """Free everything, and the context if the renderer opened it. Calling it twice does no harm."""
         if self.ctx.released:
             return
-        with self.ctx.current():
-            if self._scene is not None:
-                self._scene.release()
-            self._frames.clear()
-            self._scene = None
-            self._resources.release()
-        if self._opened:
-            self.ctx.release()
+        if self.ctx.ownership.inherited:  # a child frees nothing that its parent draws with
+            self.ctx.released = self._opened
+            return
+        with self.ctx.ownership.lock:  # no thread draws in between
+            with self.ctx.current():
+                if self._scene is not None:
+                    self._scene.release()
+                self._frames.clear()
+                self._scene = None
+                self._resources.release()
+            if self._opened:
+                self.ctx.release()
 
     def __enter__(self) -> Renderer:
         return self

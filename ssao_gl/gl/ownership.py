@@ -1,0 +1,45 @@
+"""Who may use a context: the process that opened it, one thread at a time."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from ..errors import ContextError
+from .process import check_process
+
+
+@dataclass(slots=True, kw_only=True)
+class Ownership:
+    """The process and the thread that made a context, and the lock under which it is used.
+
+    rebinds: whether it can be made current in any thread once no other one holds it.
+    """
+
+    rebinds: bool = False
+    process: int = field(default_factory=os.getpid)
+    thread: int = field(default_factory=threading.get_ident)
+    lock: threading.RLock = field(default_factory=threading.RLock)
+
+    @property
+    def inherited(self) -> bool:
+        """Whether this process got the context by a fork."""
+        return self.process != os.getpid()
+
+    @contextmanager
+    def held(self, is_current: Callable[[], bool] | None = None) -> Iterator[None]:
+        """Hold the context within the block; other threads wait. Raises ContextError where it cannot be used.
+
+        is_current: tells whether a caller's own context is current in this thread; None for one that ssao_gl makes current.
+        """
+        check_process()
+        if is_current is not None:
+            if not is_current():
+                raise ContextError("no OpenGL context is current in this thread; make yours current first")
+        elif not self.rebinds and self.thread != threading.get_ident():
+            raise ContextError("this context can be used only in the thread that made it: make one Renderer a thread")
+        with self.lock:
+            yield
