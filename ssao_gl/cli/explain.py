@@ -16,10 +16,13 @@ from ..methods.registry import registry
 from ..passes.denoise import FILTERS
 from ..pipeline.build import plan_render
 from ..pipeline.explain import plan_memory, rule_statuses
-from ..pipeline.frame_setup import frame_setup
+from ..pipeline.frame_setup import FrameSetup, frame_setup
 from ..render.renderer import Renderer
+from ..scene.camera import Camera
+from ..scene.model import Scene
+from ..scene.projection import Size
 from ..settings import limits
-from ..tiling.layout import USUAL_LIMIT, layout, unguarded
+from ..tiling.layout import USUAL_LIMIT, Layout, layout, unguarded
 from .explain_text import Explained
 from .options import GlOption, LookOptions, ViewOptions
 from .output import print_table, say
@@ -67,22 +70,10 @@ def explain(
     cut = layout(loaded, camera, size, made.settings, aovs, tile=tile)
     if cut and measure:
         raise SettingsError("--measure: a picture in tiles is not drawn at once; choose a smaller --size, and no --tile")
-    settings, outer = (unguarded(made.settings), cut.outer) if cut else (made.settings, made.outer)
-    plan = plan_render(settings, outer, aovs, triangles=made.triangles)
-    found = Explained(
-        loaded,
-        camera,
-        made,
-        plan,
-        cut,
-        plan_memory(settings, cut.outer if cut else size, plan),
-        rule_statuses(made, plan),
-        [],
-        "",
-    )
+    found = _explained(loaded, camera, size, made, cut, aovs)
     if measure:
         with Renderer(gl, keep=FRAMES) as renderer:
-            measured = benchmark_rules(renderer, loaded, camera, size, settings, rounds=rounds)
+            measured = benchmark_rules(renderer, loaded, camera, size, made.settings, rounds=rounds)
             found = dataclasses.replace(found, savings=measured, where=f"{renderer.ctx.provider}, {renderer.ctx.renderer}")
     if json:
         say(json_module.dumps(found.table() | ({"planned": listed(choice)} if choice else {}), indent=1))
@@ -91,6 +82,16 @@ def explain(
     if choice:
         tell(choice)
     return 0
+
+
+def _explained(
+    scene: Scene, camera: Camera, size: Size, made: FrameSetup, cut: Layout | None, aovs: tuple[str, ...]
+) -> Explained:
+    """Return what is to be said of a view, whole or in tiles, with nothing measured."""
+    settings, outer = (unguarded(made.settings), cut.outer) if cut else (made.settings, made.outer)
+    plan = plan_render(settings, outer, aovs, triangles=made.triangles)
+    memory = plan_memory(settings, cut.outer if cut else size, plan)
+    return Explained(scene, camera, made, plan, cut, memory, rule_statuses(made, plan), [], "")
 
 
 def methods(name: str | None = None) -> int:
@@ -114,6 +115,7 @@ def methods(name: str | None = None) -> int:
             for f in dataclasses.fields(kind)  # type: ignore[arg-type]
         ]
         print_table("", ("setting", "default", "unit", "range", "what it is"), rows)
-        for contract, deviation in getattr(kind, "exceptions", {}).items():
+        known = registry()[key].exceptions if key in registry() else {}
+        for contract, deviation in known.items():
             say(f"  by its definition it breaks '{contract}' (bound {deviation.bound:g}): {deviation.reason}")
     return 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -22,6 +23,7 @@ from ..render.picture import Picture, save_animation
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.model import Scene
+from ..scene.projection import Size
 from ..tiling.job import Job
 from ..tiling.layout import layout
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
@@ -33,33 +35,46 @@ ANIMATIONS = (".gif", ".webp", ".apng")
 TIMED_FRAMES = 5
 
 
-def render(
-    scene: Path | None = None,
-    *,
+@Parameter(name="*", group="Output")
+@dataclass(frozen=True, kw_only=True)
+class PictureOptions:
+    """What is written, and where."""
+
     output: Annotated[
-        Path,
-        Parameter(
-            name=["--output", "-o"], group="Output", help="PNG, NPY or EXR file, or a folder for all AOVs as NPY and PNG."
-        ),
-    ] = Path("ssao.png"),
+        Path, Parameter(name=["--output", "-o"], help="PNG, NPY or EXR file, or a folder for all AOVs as NPY and PNG.")
+    ] = Path("ssao.png")
     aov: Annotated[
         str | None,
         Parameter(
-            group="Output",
             help=f"What to write, by commas: {', '.join(AOVS)}. [default: image for PNG, visibility for arrays, image and visibility for folders]",
         ),
-    ] = None,
-    bits: Annotated[int, Parameter(group="Output", help="Bits a pixel of grey PNG files: 8 or 16.")] = 8,
+    ] = None
+    bits: Annotated[int, Parameter(help="Bits a pixel of grey PNG files: 8 or 16.")] = 8
     turntable: Annotated[
         int,
         Parameter(
-            group="Output",
             help="Number of frames of a turn about the scene: files in a folder, or a .gif, .webp or .apng file; 0: one picture.",
         ),
-    ] = 0,
-    tile: TileOption = None,
+    ] = 0
+    tile: TileOption = None
+    json: JsonOption = None
+
+    def aovs(self) -> tuple[str, ...]:
+        """Return what is written. Raises SettingsError, FormatError for what cannot be, before anything is drawn."""
+        aovs = _aovs(self.aov, self.output, self.turntable)
+        _check_output(self.output, self.turntable, self.bits)
+        check_json(self.json)
+        if self.turntable and (self.json is not None or self.tile is not None):
+            option = "--json reports on" if self.tile is None else "--tile is for"
+            raise SettingsError(f"{option} one picture; leave it out with --turntable")
+        return aovs
+
+
+def render(
+    scene: Path | None = None,
+    *,
+    to: PictureOptions = PictureOptions(),
     gl: GlOption = "auto",
-    json: JsonOption = None,
     view: ViewOptions = ViewOptions(),
     look: LookOptions = LookOptions(),
     goal: PlanOptions = PlanOptions(),
@@ -72,33 +87,29 @@ def render(
         GLB, glTF, OBJ, PLY, STL, OFF or another format of trimesh. Without it: the embedded scene.
     """
     settings, target = look.settings(), goal.target(look)
-    size = view.pixels()
-    aovs = _aovs(aov, output, turntable)
-    _check_output(output, turntable, bits)
-    check_json(json)
-    if turntable and (json is not None or tile is not None):
-        option = "--json reports on" if tile is None else "--tile is for"
-        raise SettingsError(f"{option} one picture; leave it out with --turntable")
+    size, aovs = view.pixels(), to.aovs()
     loaded = view.load(scene)
     camera = view.choose(loaded)
     with Renderer(gl) as renderer:
-        if turntable:
-            _turn(renderer, loaded, camera, size, settings, target, aovs, output, turntable)
+        if to.turntable:
+            _turn(renderer, loaded, camera, size, settings, target, aovs, to)
             return 0
         settled = settings.with_radius(camera.ao_radius or loaded.default_radius())
-        cut = layout(loaded, camera, size, settled, aovs, tile=tile, limit=renderer.ctx.max_size)
+        cut = layout(loaded, camera, size, settled, aovs, tile=to.tile, limit=renderer.ctx.max_size)
         drawn_at_once(target, cut)
         if cut is not None:
-            job = Job(scene=loaded, camera=camera, size=size, settings=settled, aovs=aovs, layout=cut, output=output, bits=bits)
-            report = draw_tiles(renderer, job, json)
-            if json:
-                write_json(json, report)
-            return 0
-        timed = TIMED_FRAMES if json else 0
-        picture = planner.render_planned(renderer, loaded, camera, size, target, settings, aovs=aovs, timed=timed)
-    _save(picture, output, bits, json)
-    if json:
-        write_json(json, picture.report)
+            job = Job(
+                scene=loaded, camera=camera, size=size, settings=settled, aovs=aovs, layout=cut, output=to.output, bits=to.bits
+            )
+            report = draw_tiles(renderer, job, to.json)
+        else:
+            timed = TIMED_FRAMES if to.json else 0
+            picture = planner.render_planned(renderer, loaded, camera, size, target, settings, aovs=aovs, timed=timed)
+            report = dict(picture.report)
+    if cut is None:
+        _save(picture, to)
+    if to.json:
+        write_json(to.json, report)
     return 0
 
 
@@ -133,17 +144,18 @@ def _check_output(output: Path, turntable: int, bits: int) -> None:
     check_output("-o", output, (*images.SUFFIXES, *(ANIMATIONS if turntable else ())), folder=True)
 
 
-def _save(picture: Picture, output: Path, bits: int, json: Path | None) -> None:
+def _save(picture: Picture, to: PictureOptions) -> None:
     aov = next(iter(picture.arrays)) if len(picture.arrays) == 1 else None
-    say(summary(output, picture.save(output, aov=aov, bits=bits), picture.report), json)
+    say(summary(to.output, picture.save(to.output, aov=aov, bits=to.bits), picture.report), to.json)
     if "planned" in picture.report:
-        say(compared(picture.report["planned"]), json)
+        say(compared(picture.report["planned"]), to.json)
 
 
 def _turn(
-    renderer: Renderer, scene: Scene, camera: Camera, size: tuple[int, int], settings: Settings, target: Target | None,
-    aovs: tuple[str, ...], output: Path, count: int,
+    renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings, target: Target | None,
+    aovs: tuple[str, ...], to: PictureOptions,
 ) -> None:  # fmt: skip
+    output, count = to.output, to.turntable
     if target:
         choice = planner.plan(renderer, scene, camera, size, target, settings, aovs=aovs)
         settings = choice.settings

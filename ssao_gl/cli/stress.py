@@ -6,6 +6,7 @@ import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from functools import cache
 from itertools import chain
 from pathlib import Path
@@ -23,7 +24,7 @@ from ..stress.catalogue import cases
 from ..stress.fuzz import PREFIX, planned, random_case
 from ..stress.replay import Recorder, replayed
 from ..stress.report import SUFFIXES, StressResults, matrix, save_stress_report
-from ..stress.specimen import DEFAULT, specimens
+from ..stress.specimen import DEFAULT, Specimen, specimens
 from ..stress.verdicts import FAIL, run_cases, runs
 from .output import check_output, print_table, progress, say
 
@@ -40,20 +41,39 @@ def _option(text: str, *names: str) -> Parameter:
     return Parameter(name=list(names) or None, help=text, negative="", show_default=False)
 
 
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class CaseOptions:
+    """What is asked of which methods."""
+
+    methods: Annotated[Listed, _option("Methods by commas. [default: all]")] = ()
+    presets: Annotated[Listed, _option("Presets by commas, or all. [default: every method as shipped]")] = ()
+    precision: Annotated[str, Parameter(help="Of the shaders: high or mobile.")] = "high"
+    seed: Annotated[int, Parameter(help="Of the random cases.")] = 0
+    number: Annotated[
+        int | None, _option(f"Random cases, over all methods. [default: {RANDOM}; none with --only]", "--cases")
+    ] = None
+    only: Annotated[Listed, _option(f"Cases by commas; {PREFIX}N is the random case N. [default: all]")] = ()
+
+    def cases(self) -> tuple[list[Case], int]:
+        """Return the named cases and the number of random ones. Raises SettingsError."""
+        if self.seed < 0 or (self.number or 0) < 0:
+            raise SettingsError(f"--seed {self.seed} --cases {self.number}: must not be negative")
+        count = RANDOM if self.number is None and not self.only else self.number or 0
+        return _named(_split(self.only), self.seed), count
+
+    def specimens(self) -> list[Specimen]:
+        """Return the methods under their presets. Raises SettingsError."""
+        return specimens(_split(self.methods), _split(self.presets) or [DEFAULT], self.precision)
+
+
 def stress(
     *,
-    methods: Annotated[Listed, _option("Methods by commas. [default: all]")] = (),
-    presets: Annotated[Listed, _option("Presets by commas, or all. [default: every method as shipped]")] = (),
-    precision: Annotated[str, Parameter(help="Of the shaders: high or mobile.")] = "high",
+    asked: CaseOptions = CaseOptions(),
     gl: Annotated[
         str,
         Parameter(help="OpenGL provider: auto, egl-es, egl-gl, osmesa, angle, swiftshader, native; all: each that opens."),
     ] = "auto",
-    seed: Annotated[int, Parameter(help="Of the random cases.")] = 0,
-    number: Annotated[
-        int | None, _option(f"Random cases, over all methods. [default: {RANDOM}; none with --only]", "--cases")
-    ] = None,
-    only: Annotated[Listed, _option(f"Cases by commas; {PREFIX}N is the random case N. [default: all]")] = (),
     listed: Annotated[bool, _option("Print the table of cases, and draw nothing.", "--list")] = False,
     as_page: Annotated[bool, _option("With --list: print it as a page of Markdown.", "--markdown")] = False,
     failures: Annotated[Path, _option("Folder for inputs that fail. [default: stress-failures]")] = Path("stress-failures"),
@@ -72,10 +92,7 @@ def stress(
         check_output("-o", output, SUFFIXES)
     if replay is not None:
         return _replay(replay, gl)
-    if seed < 0 or (number or 0) < 0:
-        raise SettingsError(f"--seed {seed} --cases {number}: must not be negative")
-    named, count = _named(_split(only), seed), RANDOM if number is None and not only else number or 0
-    chosen = specimens(_split(methods), _split(presets) or [DEFAULT], precision)
+    (named, count), chosen, seed = asked.cases(), asked.specimens(), asked.seed
     steady = runs(named, chosen)
     check_writable(failures, folder=True)
     results, facts = StressResults(), {"command": shlex.join(["ssao-gl", *sys.argv[1:]]), "seed": str(seed)}

@@ -6,6 +6,7 @@ import logging
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated
 
@@ -16,14 +17,43 @@ from ..io import images
 from ..io.atomic import check_writable
 from ..io.cache import default_folder
 from ..sampling.falloff import Falloff
+from ..scene.camera import Camera
 from ..scene.model import Scene
+from ..scene.projection import Size
 from ..truth import Tracing, Truth, trace
 from ..truth.settings import MOST_SPP, NORMALS, SPP
 from ..truth.trace import TraceProgress
 from .options import ViewOptions
 from .output import QUIET, check_json, check_output, say, write_json
 
-GROUP = "Rays"
+
+@Parameter(name="*", group="Rays")
+@dataclass(frozen=True, kw_only=True)
+class RayOptions:
+    """Which rays are traced, and how many."""
+
+    radius: Annotated[
+        float | None,
+        Parameter(help="Reach of occlusion, scene units. [default: the camera file's ao_radius, else a share of the scene]"),
+    ] = None
+    falloff: Annotated[str, Parameter(help=f"How a blocker counts with distance: {', '.join(Falloff)}.")] = Falloff.HARD.value
+    normals: Annotated[
+        str, Parameter(help=f"Hemisphere about the triangle's or the interpolated normal: {' or '.join(NORMALS)}.")
+    ] = NORMALS[0]
+    spp: Annotated[
+        int | None,
+        Parameter(
+            help=f"Rays a pixel, rounded up to whole batches; with --max-stderr at most so many. [default: {SPP}; with --max-stderr {MOST_SPP}]",
+        ),
+    ] = None
+    max_stderr: Annotated[
+        float | None, Parameter(help="Stop when the root mean square of the pixels' standard errors is below this.")
+    ] = None
+    seed: Annotated[int, Parameter(help="Of the directions.")] = 0
+
+    def tracing(self) -> Tracing:
+        """Return the settings of the rays. Raises SettingsError."""
+        return Tracing(**{field.name: getattr(self, field.name) for field in fields(self)})
 
 
 def truth(
@@ -37,31 +67,7 @@ def truth(
             help="PNG, NPY or EXR file for visibility, or a folder for visibility, standard error and depth as NPY and PNG.",
         ),
     ] = Path("truth.png"),
-    radius: Annotated[
-        float | None,
-        Parameter(
-            group=GROUP,
-            help="Reach of occlusion, scene units. [default: the camera file's ao_radius, else a share of the scene]",
-        ),
-    ] = None,
-    falloff: Annotated[
-        str, Parameter(group=GROUP, help=f"How a blocker counts with distance: {', '.join(Falloff)}.")
-    ] = Falloff.HARD.value,
-    normals: Annotated[
-        str, Parameter(group=GROUP, help=f"Hemisphere about the triangle's or the interpolated normal: {' or '.join(NORMALS)}.")
-    ] = NORMALS[0],
-    spp: Annotated[
-        int | None,
-        Parameter(
-            group=GROUP,
-            help=f"Rays a pixel, rounded up to whole batches; with --max-stderr at most so many. [default: {SPP}; with --max-stderr {MOST_SPP}]",
-        ),
-    ] = None,
-    max_stderr: Annotated[
-        float | None,
-        Parameter(group=GROUP, help="Stop when the root mean square of the pixels' standard errors is below this."),
-    ] = None,
-    seed: Annotated[int, Parameter(group=GROUP, help="Of the directions.")] = 0,
+    rays: RayOptions = RayOptions(),
     cache: Annotated[
         Path | None,
         Parameter(
@@ -86,27 +92,13 @@ def truth(
     scene
         Scene file. Without it: the embedded scene.
     """
-    tracing = Tracing(radius=radius, falloff=falloff, normals=normals, spp=spp, max_stderr=max_stderr, seed=seed)
-    size = view.pixels()
+    tracing, size = rays.tracing(), view.pixels()
     check_output("-o", output, images.SUFFIXES, folder=True)
     check_json(json)
     folder = None if no_cache else _folder(cache)
     loaded = view.load(scene)
     camera = view.choose(loaded)
-    with _bar() as progress:
-        try:
-            found = trace(loaded, camera, size, tracing, cache=folder, progress=progress)
-        except KeyboardInterrupt:
-            if folder is not None:
-                logging.getLogger("ssao_gl").warning("what is traced so far is kept; the same command goes on from there")
-            raise
-    if max_stderr is not None and found.noise > max_stderr:
-        logging.getLogger("ssao_gl").warning(
-            "the standard error is %.3g after %d rays a pixel, above --max-stderr %g; raise --spp",
-            found.noise,
-            found.spp,
-            max_stderr,
-        )
+    found = _traced(loaded, camera, size, tracing, folder)
     report = {"scene": loaded.name, "camera": camera.name or "unnamed"}
     paths = found.picture(**report).save(output)
     where = str(paths[0]) if len(paths) == 1 else f"{output} ({len(paths)} files)"
@@ -114,6 +106,23 @@ def truth(
     if json:
         write_json(json, report | _numbers(loaded, found))
     return 0
+
+
+def _traced(scene: Scene, camera: Camera, size: Size, tracing: Tracing, folder: Path | None) -> Truth:
+    """Trace, with a progress bar; say so when it is cut, and when it is less exact than was asked for."""
+    log = logging.getLogger("ssao_gl")
+    with _bar() as progress:
+        try:
+            found = trace(scene, camera, size, tracing, cache=folder, progress=progress)
+        except KeyboardInterrupt:
+            if folder is not None:
+                log.warning("what is traced so far is kept; the same command goes on from there")
+            raise
+    limit = tracing.max_stderr
+    if limit is not None and found.noise > limit:
+        words = "the standard error is %.3g after %d rays a pixel, above --max-stderr %g; raise --spp"
+        log.warning(words, found.noise, found.spp, limit)
+    return found
 
 
 def _summary(scene: Scene, found: Truth) -> str:

@@ -136,22 +136,6 @@ def _es_shims(gl: Functions, version: int) -> dict[str, Any]:
     def get_integer(pname: int, out: int) -> None:
         gl("glGetIntegerv", None, U, P)(DRAW_BUFFER0 if pname == DRAW_BUFFER else pname, out)
 
-    def tex_image_2d(
-        target: int, level: int, internal: int, w: int, h: int, border: int, format_: int, type_: int, data: int | None
-    ) -> None:
-        if internal == DEPTH_COMPONENT24 and type_ == FLOAT:  # an illegal pair in ES 3; 32F keeps the data valid
-            internal = DEPTH_COMPONENT32F
-        gl("glTexImage2D", None, U, I, I, I, I, I, U, U, P)(target, level, internal, w, h, border, format_, type_, data)
-
-    def get_tex_image(target: int, level: int, format_: int, type_: int, pixels: int) -> None:
-        if target == TEXTURE_2D:
-            _read_texture(gl, level, format_, type_, pixels)
-
-    def tex_level_parameter(target: int, level: int, pname: int, out: int) -> None:
-        size = gl.integers(VIEWPORT, 4)[2:]
-        value = {TEXTURE_WIDTH: size[0], TEXTURE_HEIGHT: size[1]}.get(pname, 0)
-        ctypes.cast(out, ctypes.POINTER(I))[0] = value
-
     def ignore(*_: int) -> None:
         return None
 
@@ -168,12 +152,37 @@ def _es_shims(gl: Functions, version: int) -> dict[str, Any]:
         "glEnable": ctypes.CFUNCTYPE(None, U)(enable),
         "glDisable": ctypes.CFUNCTYPE(None, U)(disable),
         "glGetIntegerv": ctypes.CFUNCTYPE(None, U, P)(get_integer),
-        "glTexImage2D": ctypes.CFUNCTYPE(None, U, I, I, I, I, I, U, U, P)(tex_image_2d),
-        "glGetTexImage": ctypes.CFUNCTYPE(None, U, I, U, U, P)(get_tex_image),
+        **_texture_shims(gl, version),
     }
     # By version, not by address: ANGLE hands out functions that it then refuses.
     if version < 320 or not gl.get_proc("glColorMaski"):
         shims["glColorMaski"] = ctypes.CFUNCTYPE(None, U, B, B, B, B)(color_mask_indexed)
+    return shims
+
+
+def _texture_shims(gl: Functions, version: int) -> dict[str, Any]:
+    """Callbacks for those that make, measure and read textures."""
+
+    def tex_image_2d(
+        target: int, level: int, internal: int, w: int, h: int, border: int, format_: int, type_: int, data: int | None
+    ) -> None:
+        if internal == DEPTH_COMPONENT24 and type_ == FLOAT:  # an illegal pair in ES 3; 32F keeps the data valid
+            internal = DEPTH_COMPONENT32F
+        gl("glTexImage2D", None, U, I, I, I, I, I, U, U, P)(target, level, internal, w, h, border, format_, type_, data)
+
+    def get_tex_image(target: int, level: int, format_: int, type_: int, pixels: int) -> None:
+        if target == TEXTURE_2D:
+            _read_texture(gl, level, format_, type_, pixels)
+
+    def tex_level_parameter(target: int, level: int, pname: int, out: int) -> None:
+        size = gl.integers(VIEWPORT, 4)[2:]
+        value = {TEXTURE_WIDTH: size[0], TEXTURE_HEIGHT: size[1]}.get(pname, 0)
+        ctypes.cast(out, ctypes.POINTER(I))[0] = value
+
+    shims: dict[str, Any] = {
+        "glTexImage2D": ctypes.CFUNCTYPE(None, U, I, I, I, I, I, U, U, P)(tex_image_2d),
+        "glGetTexImage": ctypes.CFUNCTYPE(None, U, I, U, U, P)(get_tex_image),
+    }
     if version < 310 or not gl.get_proc("glGetTexLevelParameteriv"):
         shims["glGetTexLevelParameteriv"] = ctypes.CFUNCTYPE(None, U, I, U, P)(tex_level_parameter)
     return shims

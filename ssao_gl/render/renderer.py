@@ -48,15 +48,22 @@ def _version() -> str:
     return importlib.metadata.version("ssao_gl")  # which reads a file
 
 
-def _planned(function: str, budget_ms: float | None, max_error: float | None) -> Callable[..., Picture]:
-    """Return the function of the planner that draws to a budget: what ``Renderer`` itself did in 0.1."""
+def _planned(function: str, budget: Mapping[str, float | None]) -> Callable[..., Picture] | None:
+    """Return the function of the planner that draws to a budget: what ``Renderer`` itself did in 0.1.
+
+    None where no budget is given.
+    """
+    if unknown := set(budget) - {"budget_ms", "max_error"}:
+        raise TypeError(f"Renderer: there is no argument {', '.join(map(repr, sorted(unknown)))}")
+    if all(value is None for value in budget.values()):
+        return None
     warnings.warn(
         "Renderer: budget_ms and max_error will go in 0.3; use ssao_gl.plan and its settings, or ssao_gl.render",
         DeprecationWarning,
         stacklevel=4,
     )
     planner = importlib.import_module("ssao_gl.planner")  # by name: the planner draws with renderers, which know nothing of it
-    target = planner.Target(budget_ms=budget_ms, max_error=max_error)
+    target = planner.Target(**budget)
     return functools.partial(getattr(planner, function), target=target)
 
 
@@ -103,6 +110,7 @@ class Renderer:
     @_current
     def render(
         self,
+        /,
         scene: Scene,
         camera: Camera | None = None,
         size: Size = (1280, 720),
@@ -111,16 +119,14 @@ class Renderer:
         aovs: Sequence[str] = ("image", "visibility"),
         timed: int = 0,
         checked: bool = False,
-        budget_ms: float | None = None,
-        max_error: float | None = None,
+        **budget: float | None,
     ) -> Picture:
         """Draw ``scene``; without ``camera`` the scene's own first one, else an automatic view.
 
         ``aovs``: any of image, visibility, depth, normal, bent, color. ``timed`` draws that many frames more and reports the median
-        milliseconds of each pass. ``budget_ms``, ``max_error``: deprecated; plan with :func:`ssao_gl.plan` or :func:`ssao_gl.render`.
+        milliseconds of each pass. ``budget``: ``budget_ms`` and ``max_error`` of 0.1, deprecated; plan with :func:`ssao_gl.plan` or :func:`ssao_gl.render`.
         """
-        if budget_ms is not None or max_error is not None:
-            draw = _planned("render_planned", budget_ms, max_error)
+        if draw := _planned("render_planned", budget):
             return draw(self, scene, camera, size, settings=settings, aovs=aovs, timed=timed, checked=checked)
         made, frame, seen = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
@@ -192,6 +198,7 @@ class Renderer:
     @_current
     def apply(
         self,
+        /,
         depth: NDArray[Any],
         camera: Camera,
         *,
@@ -202,17 +209,15 @@ class Renderer:
         aovs: Sequence[str] = ("visibility", "depth", "normal"),
         timed: int = 0,
         checked: bool = False,
-        budget_ms: float | None = None,
-        max_error: float | None = None,
+        **budget: float | None,
     ) -> Picture:
         """Occlusion over arrays, row 0 on top.
 
         depth: (h, w) distance along the view axis in scene units (0, inf, nan: background), or window depth in 0..1.
         color: (h, w, 3 or 4) uint8 sRGB, to be dimmed. normals: (h, w, 3) view space. Gives ``aovs``, and image when
-        there is colour. Raises FormatError for shapes that do not fit. ``timed``, ``budget_ms``, ``max_error``: see :meth:`render`.
+        there is colour. Raises FormatError for shapes that do not fit. ``timed``, ``budget``: see :meth:`render`.
         """
-        if budget_ms is not None or max_error is not None:
-            draw = _planned("apply_planned", budget_ms, max_error)
+        if draw := _planned("apply_planned", budget):
             given = {"color": color, "normals": normals, "depth_kind": depth_kind}
             return draw(self, depth, camera, settings=settings, **given, aovs=aovs, timed=timed, checked=checked)
         depth, color, normals = check_arrays(depth, color, normals)
