@@ -84,7 +84,7 @@ class Explained:
 
 
 def _drawn(made: FrameSetup) -> list[str]:
-    """What is drawn around the image, and what beside the scene is not."""
+    """Return what is drawn around the image, and what beside the scene is not."""
     lines = []
     (w, h), inside, covered = made.outer, made.region.image_rect, made.region.scene_rect
     if inside:

@@ -66,7 +66,7 @@ class LookOptions:
     config: Annotated[Path | None, _option("TOML file with settings. [default: none]")] = None
 
     def settings(self) -> Settings:
-        """Raises SettingsError."""
+        """Return the settings that the options ask for. Raises SettingsError."""
         table = read_toml(self.config) if self.config else {}
         return settings_from(
             table,
@@ -117,7 +117,7 @@ class ViewOptions:
         return parse_size(self.size)
 
     def load(self, path: Path | None) -> Scene:
-        """The scene file, or the embedded scene. Raises SceneError, SettingsError."""
+        """Return the scene file, or the embedded scene. Raises SceneError, SettingsError."""
         if path is None:
             from ..scene.sample_scene import default_scene
 
@@ -127,7 +127,7 @@ class ViewOptions:
         return load_scene(path, crease=math.radians(self.crease_deg), up=self.up_axis)
 
     def choose(self, scene: Scene) -> Camera:
-        """The camera for ``scene``: the options' over the file's over the scene's over an automatic one."""
+        """Return the camera for ``scene``: the options' over the file's over the scene's over an automatic one."""
         size = self.pixels()
         if self.camera is not None:
             from ..loaders.camera_files import load_camera
@@ -144,7 +144,7 @@ class ViewOptions:
         return dataclasses.replace(base, lens=self._lens(base, scene, pose), pose=pose)
 
     def _lens(self, base: Camera, scene: Scene, pose: Matrix) -> Lens:
-        """The base's lens, changed only where an option asks for it."""
+        """Return the base's lens, changed only where an option asks for it."""
         if self.ortho is not None and self.yfov_deg is not None:
             raise SettingsError("--ortho and --yfov-deg exclude each other: a parallel projection has no angle")
         moved = not np.array_equal(pose, base.pose) and self.camera is None
@@ -165,7 +165,7 @@ class ViewOptions:
 
 
 def angle(name: str, degrees: float) -> float:
-    """A field of view in radians. Raises SettingsError."""
+    """Return a field of view in radians. Raises SettingsError."""
     if not 0 < degrees < 180:
         raise SettingsError(f"{name} {degrees:g}: must lie between 0 and 180 degrees")
     return math.radians(degrees)

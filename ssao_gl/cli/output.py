@@ -18,13 +18,13 @@ QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
 
 
 def say(text: str, report: Path | None = None) -> None:
-    """A line on standard output, unless ``--quiet``; on standard error when ``report`` (of ``--json``) takes that: ``-``."""
+    """Print a line on standard output, unless ``--quiet``; on standard error when ``report`` (of ``--json``) takes that: ``-``."""
     if not QUIET.get():
         (sys.stderr if str(report) == "-" else sys.stdout).write(text + "\n")
 
 
 def print_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
-    """A table as wide as the terminal (as wide as it needs when piped)."""
+    """Print a table as wide as the terminal (as wide as it needs when piped)."""
     from rich.console import Console
     from rich.table import Table
 

@@ -48,7 +48,7 @@ class PlanOptions:
 
 
 def compared(planned: Mapping[str, Any]) -> str:
-    """What was predicted of a picture, and what it took, on one line. ``planned``: of its report."""
+    """Return what was predicted of a picture, and what it took, on one line. ``planned``: of its report."""
     return (
         f"planned: {planned['chosen']}, of {planned['of']}; predicted {planned['predicted_ms']:.3g} ms and RMSE"
         f" {planned['predicted_error']:.3f}, took {planned['took_ms']:.3g} ms ({CLOCKS[planned['clock']]})"
@@ -56,7 +56,7 @@ def compared(planned: Mapping[str, Any]) -> str:
 
 
 def expected(choice: Choice) -> str:
-    """What is predicted of frames by a choice, on one line."""
+    """Return what is predicted of frames by a choice, on one line."""
     one = choice.prediction
     return f"planned: {one.name}, of {len(choice.considered)}; predicted {one.ms:.3g} ms and RMSE {one.error:.3f} ({CLOCKS[choice.clock]})"
 

@@ -231,7 +231,7 @@ def _cache(given: Path | None, output: Path) -> Path:
 
 @contextmanager
 def _bar() -> Iterator[SweepProgress]:
-    """A progress bar with the time left, when standard error is a terminal."""
+    """Show a progress bar with the time left, when standard error is a terminal."""
     if QUIET.get() or not sys.stderr.isatty():
         yield lambda title, done, total: None
         return

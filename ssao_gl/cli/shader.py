@@ -58,7 +58,7 @@ def shader(
 
 
 def defaults(file: str) -> Mapping[str, preprocess.Define]:
-    """The defines that the default settings give a shader file."""
+    """Return the defines that the default settings give a shader file."""
     for kind in registry().values():
         if kind.shader == file:
             return {**kind().defines(), "PINHOLE": 1}

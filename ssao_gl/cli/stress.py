@@ -110,7 +110,7 @@ def stress(
 
 
 def _renderers(gl: str) -> Iterator[Renderer]:
-    """The chosen provider, or each that opens, one after the other. Raises ContextError when none does."""
+    """Yield the chosen provider, or each that opens, one after the other. Raises ContextError when none does."""
     if gl != "all":
         with Renderer(gl, keep=KEEP) as renderer:
             yield renderer

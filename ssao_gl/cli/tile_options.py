@@ -42,7 +42,7 @@ def draw_tiles(renderer: Renderer, job: Job, json: Path | None) -> Mapping[str, 
 
 
 def summary(output: Path, paths: Sequence[Path], report: Mapping[str, Any]) -> str:
-    """What was rendered into which files, on one line."""
+    """Return what was rendered into which files, on one line."""
     where = str(paths[0]) if len(paths) == 1 else f"{output}{'' if str(output).endswith('/') else '/'} ({len(paths)} files)"
     settings, seconds, tiles = report["settings"], report["seconds"], report.get("tiles")
     pieces = f" in {tiles['columns']}x{tiles['rows']} tiles" if tiles else ""

@@ -149,7 +149,7 @@ def _numbers(scene: Scene, found: Truth) -> dict[str, object]:
 
 
 def _folder(given: Path | None) -> Path | None:
-    """The cache folder; one that was not asked for and cannot be written is done without."""
+    """Return the cache folder; one that was not asked for and cannot be written is done without."""
     folder = given or default_folder()
     try:
         check_writable(folder, folder=True)
@@ -163,7 +163,7 @@ def _folder(given: Path | None) -> Path | None:
 
 @contextmanager
 def _bar() -> Iterator[TraceProgress | None]:
-    """A progress bar with the time left, when standard error is a terminal."""
+    """Show a progress bar with the time left, when standard error is a terminal."""
     if QUIET.get() or not sys.stderr.isatty():
         yield None
         return

@@ -95,7 +95,7 @@ def benchmark_rules(
 
 
 def shaded(renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings) -> tuple[Mask, Mask]:
-    """(what is not background, what lies in no open block), each (h, w), row 0 on top."""
+    """Return (what is not background, what lies in no open block), each (h, w), row 0 on top."""
     covered = renderer.render(scene, camera, size, settings, aovs=("depth",)).depth > 0
     blocks = renderer.resource(scene, camera, size, settings, BLOCK_OPEN)
     if blocks is None:

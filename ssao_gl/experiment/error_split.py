@@ -29,7 +29,7 @@ def reference_visibility(setup: ViewSetup) -> F32:
 
 
 def split_error(setup: ViewSetup, screen: F32, settings: Settings) -> dict[str, Any]:
-    """The parts for a method; ``screen`` is the reference's picture. estimator: sampling without its noise."""
+    """Return the parts for a method; ``screen`` is the reference's picture. estimator: sampling without its noise."""
     bare = dataclasses.replace(settings, blur=None)
     raw, expected, final = setup.draw(bare), without_noise(setup, bare), setup.draw(settings)
     truth = setup.truth.visibility
@@ -44,7 +44,7 @@ def split_error(setup: ViewSetup, screen: F32, settings: Settings) -> dict[str, 
 
 
 def without_noise(setup: ViewSetup, settings: Settings) -> F32:
-    """The mean over all phases of the noise tile, at every pixel.
+    """Return the mean over all phases of the noise tile, at every pixel.
 
     The image is drawn moved by 0 to 3 whole pixels along x and y, by the projection, and moved back: each pixel shows
     the same point under each of the tile's 16 patterns. At the rim there are fewer.
@@ -62,7 +62,7 @@ def without_noise(setup: ViewSetup, settings: Settings) -> F32:
 
 
 def shifted(camera: Camera, size: Size, dx: int, dy: int) -> Camera:
-    """The camera with its image moved ``dx`` pixels to the right and ``dy`` up: clip x and y gain a share of clip w."""
+    """Return the camera with its image moved ``dx`` pixels to the right and ``dy`` up: clip x and y gain a share of clip w."""
     matrix = camera.lens.matrix(size).copy()
     matrix[0] += 2 * dx / size[0] * matrix[3]
     matrix[1] += 2 * dy / size[1] * matrix[3]

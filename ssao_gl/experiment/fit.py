@@ -62,7 +62,7 @@ class Levels:
 
     @classmethod
     def loaded(cls, sums: Sequence[Sequence[float]]) -> Levels:
-        """What :meth:`saved` gave."""
+        """Return what :meth:`saved` gave."""
         return cls(*(np.asarray(row, np.float64) for row in sums))
 
     def saved(self) -> list[list[float]]:
@@ -76,7 +76,8 @@ class Levels:
 
 
 def fit(tried: Mapping[float, Sequence[Levels]]) -> tuple[Scalars, float]:
-    """The scalars with the smallest mean RMSE over views, and that mean. ``tried``: radius factor -> Levels of every view."""
+    """Return the scalars with the smallest mean RMSE over views, and that mean. ``tried``: radius factor -> Levels of every
+    view."""
     found = [(*_strength_and_power(views), factor) for factor, views in tried.items()]
     strength, power, error, factor = min(found, key=lambda one: one[2])
     return Scalars(factor, strength, power), error

@@ -41,7 +41,7 @@ def fits(sweep: Sweep, journal: Journal) -> Fits:
 
 
 def fitting_views(sweep: Sweep) -> list[MeasuredView]:
-    """Views that scalars are fitted on: those of the fitting scenes, at the first size."""
+    """Return views that scalars are fitted on: those of the fitting scenes, at the first size."""
     first = sweep.views[0].size
     return [view for view in sweep.views if view.scene in sweep.fit and view.size == first]
 

@@ -37,10 +37,10 @@ def hypervolume(points: Iterable[Point], times: tuple[float, float], worst: floa
 
 
 def at_time(points: Iterable[Point], budget: float) -> float | None:
-    """The smallest error within a time, or None."""
+    """Return the smallest error within a time, or None."""
     return min((error for time, error in points if time <= budget), default=None)
 
 
 def at_error(points: Iterable[Point], limit: float) -> float | None:
-    """The shortest time within an error, or None."""
+    """Return the shortest time within an error, or None."""
     return min((time for time, error in points if error <= limit), default=None)

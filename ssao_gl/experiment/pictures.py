@@ -42,7 +42,7 @@ def palette() -> NDArray[np.uint8]:
 
 
 def reduced(image: NDArray[Any], width: int = WIDTH) -> NDArray[np.float64]:
-    """An image (h, w) or (h, w, c) averaged down over whole blocks until it is at most ``width`` wide."""
+    """Return an image (h, w) or (h, w, c) averaged down over whole blocks until it is at most ``width`` wide."""
     block = -(-image.shape[1] // width)
     h, w = (side // block * block for side in image.shape[:2])
     if not h or not w:

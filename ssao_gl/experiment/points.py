@@ -39,7 +39,7 @@ def points(rows: Iterable[PointRow], views: Collection[str], *, track: str) -> l
 
 
 def marked(some: Sequence[PlotPoint], views: int, clock: str = "wall") -> list[PlotPoint]:
-    """The same points, with ``front`` set among those that took part in all views."""
+    """Return the same points, with ``front`` set among those that took part in all views."""
     full = [point for point in some if point["views"] == views and point["errors"].get("rmse") is not None]
     best = dict(zip(map(id, full), pareto.front([time_and_error(point, clock) for point in full]), strict=True))
     return [{**point, "front": best.get(id(point), False)} for point in some]
@@ -51,7 +51,7 @@ def time_and_error(point: PlotPoint, clock: str = "wall") -> pareto.Point:
 
 
 def constants(views: Sequence[PointRow], fitting: Collection[str]) -> list[dict[str, Any]]:
-    """What costs nothing: visibility 1 everywhere, and the mean of the truth over the fitting views (all, without any).
+    """Return what costs nothing: visibility 1 everywhere, and the mean of the truth over the fitting views (all, without any).
 
     From the mean ``m`` and mean square ``s`` of the truth: ``rmse^2 = s - 2 c m + c^2``, ``bias = c - m``.
     """

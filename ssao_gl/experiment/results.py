@@ -24,7 +24,7 @@ Results = dict[str, Any]
 
 
 def results(sweep: Sweep, journal: Journal, machine: Mapping[str, Any], made: str, command: str) -> Results:
-    """What the journal has for a sweep, and what follows from it."""
+    """Return what the journal has for a sweep, and what follows from it."""
     names = {view.name for view in sweep.views}
     labels = {one.label for one in sweep.estimators} | {""}
     methods = {one.family for one in sweep.methods} if sweep.scaling else set()
@@ -61,7 +61,7 @@ def results(sweep: Sweep, journal: Journal, machine: Mapping[str, Any], made: st
 
 
 def _at_size(found: Results, size: str) -> dict[str, Any]:
-    """The points of all tracks at one size."""
+    """Return the points of all tracks at one size."""
     rows = found["rows"]
     views = [row for row in rows["view"] if size_text(row["size"]) == size]
     every = {row["view"] for row in views}
@@ -93,7 +93,7 @@ def _at_size(found: Results, size: str) -> dict[str, Any]:
 
 
 def _one_a_view(rows: list[dict[str, Any]], views: set[str]) -> list[dict[str, Any]]:
-    """The first row with a baseline of each view."""
+    """Return the first row with a baseline of each view."""
     first: dict[str, dict[str, Any]] = {}
     for row in rows:
         if row["view"] in views and row.get("baseline"):
@@ -102,7 +102,7 @@ def _one_a_view(rows: list[dict[str, Any]], views: set[str]) -> list[dict[str, A
 
 
 def load_results(path: Path) -> Results:
-    """A results.json. Raises FormatError for a file that is none, or damaged."""
+    """Read a results.json. Raises FormatError for a file that is none, or damaged."""
     if reason := why_unreadable(path):
         raise FormatError(f"{path}: {reason}; expected the results.json of a report")
     try:

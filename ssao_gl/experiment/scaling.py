@@ -69,7 +69,7 @@ def together(some: Sequence[Trial]) -> list[list[Trial]]:
 
 
 def measure_scaling(setup: ViewSetup, some: Sequence[Trial], rounds: int) -> list[dict[str, Any]]:
-    """Times of each trial, or why the method refuses it; all of one size."""
+    """Return times of each trial, or why the method refuses it; all of one size."""
     ready: dict[str, ScreenSpace] = {}
     refused: dict[str, str] = {}
     for number, one in enumerate(some):
@@ -98,7 +98,7 @@ def _record(setup: ViewSetup, trial: Trial) -> Method:
 
 
 def _radius(setup: ViewSetup, record: Method, pixels: float) -> float:
-    """The method's radius that covers ``pixels`` at the median depth, in the unit that its radius has."""
+    """Return the method's radius that covers ``pixels`` at the median depth, in the unit that its radius has."""
     unit = record.traits.radius_unit
     view, depth = setup.camera.view(setup.size), setup.depth[setup.depth > 0]
     z = float(np.median(depth)) if depth.size else 1.0
@@ -141,7 +141,7 @@ def exponents(rows: Sequence[Mapping[str, Any]]) -> list[Exponents]:
 
 
 def series(rows: Sequence[Mapping[str, Any]]) -> dict[tuple[str, str], list[Mapping[str, Any]]]:
-    """(method, axis) -> rows by rising value."""
+    """Return (method, axis) -> rows by rising value."""
     found: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for row in sorted((row for row in rows if "times" in row), key=lambda row: float(row["value"])):
         found.setdefault((row["variant"], row["axis"]), []).append(row)

@@ -19,7 +19,7 @@ def mean(values: Sequence[float | None]) -> float | None:
 
 
 def exponent(sizes: Sequence[float], times: Sequence[float]) -> float | None:
-    """The ``b`` of ``time = a size^b`` by least squares of logarithms; None of fewer than two sizes."""
+    """Return the ``b`` of ``time = a size^b`` by least squares of logarithms; None of fewer than two sizes."""
     if len(set(sizes)) < 2:
         return None
     return float(np.polyfit(np.log(sizes), np.log(times), 1)[0])

@@ -46,7 +46,7 @@ class WorkSteps:
     shown: Collection[str]
 
     def unfitted(self, view: MeasuredView) -> list[WorkStep]:
-        """What can be measured before anything is fitted, as far as it is missing."""
+        """Return what can be measured before anything is fitted, as far as it is missing."""
         made = [self._truth(view), self._estimates(view)]
         if self.sweep.split and view.size == self.sweep.views[0].size:
             made.append(self._split(view, self.sweep.split))
@@ -178,7 +178,7 @@ class WorkSteps:
 
 
 def _under(kind: str, scalars: Scalars | None) -> dict[str, Any]:
-    """What tells rows under one fit from those under another."""
+    """Return what tells rows under one fit from those under another."""
     return {"at": scalars.key, "scalars": dataclasses.asdict(scalars)} if kind == "fitted" and scalars else {}
 
 
@@ -187,7 +187,7 @@ def _million(view: MeasuredView) -> float:
 
 
 def shown_views(sweep: Sweep, most: int) -> Sequence[str]:
-    """The first camera of each scene at the first size, so many that their pictures number at most ``most`` pairs."""
+    """Return the first camera of each scene at the first size, so many that their pictures number at most ``most`` pairs."""
     first: dict[str, str] = {}
     for view in sweep.views:
         first.setdefault(view.scene, view.name)

@@ -59,7 +59,7 @@ class Sweep:
         return {view.name: view.content for view in self.views}
 
     def header(self, machine: dict[str, Any], code: str) -> dict[str, Any]:
-        """What every measured row depends on beside its key: another header, another journal."""
+        """Return what every measured row depends on beside its key: another header, another journal."""
         return {
             "format": 2,
             "code": code,
@@ -101,7 +101,7 @@ def split_size(size: Size) -> Size:
 
 
 def folder_name(text: str) -> str:
-    """A text as part of a file name."""
+    """Return a text as part of a file name."""
     return "".join(c if c.isalnum() or c in "._=-" else "-" for c in text)
 
 

@@ -62,7 +62,7 @@ def _records(name: str, presets: Sequence[str], spread: Mapping[str, list[str]])
 
 
 def _spreads(ranges: Iterable[str], chosen: Sequence[str]) -> dict[str, dict[str, list[str]]]:
-    """method -> field -> values as text."""
+    """Return method -> field -> values as text."""
     found: dict[str, dict[str, list[str]]] = {}
     for text in ranges:
         key, equals, values = text.partition("=")

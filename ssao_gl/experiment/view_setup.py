@@ -71,7 +71,7 @@ class ViewSetup:
         return np.where(drawn > 0, self.truth.depth, 0).astype(np.float32)
 
     def settled(self, settings: Settings, factor: float = 1.0) -> Settings:
-        """``settings`` with the radius that this view gives them, times ``factor``."""
+        """Return ``settings`` with the radius that this view gives them, times ``factor``."""
         settings = settings.with_radius(self.radius)
         if factor == 1.0:
             return settings

@@ -40,7 +40,7 @@ class MeasuredView:
 
 
 def load_view_scene(path: Path | None) -> Scene:
-    """A scene file, or the embedded scene. Raises SceneError."""
+    """Load a scene file, or the embedded scene. Raises SceneError."""
     if path is not None and path.suffix.lower() in SUFFIXES:
         raise SceneError(f"{path}: a picture or depth array; a report traces rays, and needs a scene with triangles")
     if path is not None:
@@ -75,7 +75,7 @@ def views(paths: Sequence[Path], cameras: Sequence[str], sizes: Sequence[Size]) 
 
 
 def by_scene(some: Sequence[MeasuredView]) -> Iterator[tuple[Scene, list[MeasuredView]]]:
-    """Views with their scene; one scene is in memory at a time."""
+    """Yield views with their scene; one scene is in memory at a time."""
     for path in dict.fromkeys(view.path for view in some):
         yield load_view_scene(path), [view for view in some if view.path == path]
 
@@ -85,7 +85,7 @@ def _content(scene: Scene, camera: Camera, size: Size) -> str:
 
 
 def _names(paths: Sequence[Path]) -> list[str]:
-    """The file's stem; numbered where two files share it."""
+    """Return the file's stem; numbered where two files share it."""
     if not paths:
         return ["embedded"]
     stems = [path.stem for path in paths]

@@ -50,7 +50,7 @@ def is_folder(path: Path) -> bool:
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """A temporary path to write to, moved to ``path`` when the block ends well and removed when it does not.
+    """Give a temporary path to write to, moved to ``path`` when the block ends well and removed when it does not.
 
     Raises FormatError, in one line, when the place cannot be written, or another run is at it.
     """
@@ -105,7 +105,7 @@ def _temporary(path: Path, mark: str = "") -> Path:
 
 
 def _claim(path: Path) -> tuple[Path, int | None]:
-    """An empty file to write ``path`` to, and the handle by which it is locked until that is closed.
+    """Return an empty file to write ``path`` to, and the handle by which it is locked until that is closed.
 
     Raises OSError, FormatError.
     """

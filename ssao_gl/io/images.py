@@ -67,7 +67,7 @@ def _save_png(path: Path, array: NDArray[Any], texts: Mapping[str, str]) -> None
 
 
 def png_texts(texts: Mapping[str, str]) -> PngInfo:
-    """The text chunks of a PNG file."""
+    """Return the text chunks of a PNG file."""
     from PIL.PngImagePlugin import PngInfo
 
     info = PngInfo()
@@ -77,7 +77,7 @@ def png_texts(texts: Mapping[str, str]) -> PngInfo:
 
 
 def png_bytes(array: NDArray[np.uint8]) -> bytes:
-    """A PNG file in memory."""
+    """Return a PNG file in memory."""
     from io import BytesIO
 
     from PIL import Image

@@ -75,7 +75,7 @@ class Journal:
         self._file = self._open()
 
     def find(self, kind: str, view: str = "", variant: str = "", at: str = "") -> JournalRow | None:
-        """The row of a key, or None."""
+        """Return the row of a key, or None."""
         return self._rows.get((kind, view, variant, at))
 
     def rows(self, kind: str) -> Iterator[JournalRow]:
@@ -144,7 +144,7 @@ def _differing(old: JournalRow, new: JournalRow) -> str:
 
 
 def _aside(path: Path, why: str) -> Path:
-    """A copy of the file beside it, under a name that is free."""
+    """Make a copy of the file beside it, under a name that is free."""
     number = 1
     while (place := path.with_name(f"{path.stem}.{why}-{number}{path.suffix}")).exists():
         number += 1

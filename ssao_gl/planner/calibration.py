@@ -57,7 +57,7 @@ def key(ctx: Context) -> str:
 
 
 def calibrated(renderer: Renderer, folder: Path) -> Mapping[str, Rates]:
-    """The rates of every family, by its name, from the cache in ``folder`` or by probe frames."""
+    """Return the rates of every family, by its name, from the cache in ``folder`` or by probe frames."""
     path = folder / f"planner-{key(renderer.ctx)}.json"
     found = read_cached(path, _rates)
     if found is None:
@@ -93,7 +93,7 @@ def probe(renderer: Renderer) -> dict[str, Rates]:
 
 
 def _alike(task: str, family: Family) -> tuple[Any, ...]:
-    """The same for passes that do the same for a pixel."""
+    """Return the same for passes that do the same for a pixel."""
     scale, tile = family.fixed.get("scale"), family.fixed.get("tile")
     if task != family.method:
         return task, scale, tile
@@ -106,7 +106,7 @@ RADIUS = 4.0
 
 
 def rough() -> Scene:
-    """A field of random heights, one cell wide each, flat-shaded, about the origin in the plane of x and y."""
+    """Return a field of random heights, one cell wide each, flat-shaded, about the origin in the plane of x and y."""
     w, h = CELLS
     x, y = np.meshgrid(np.arange(w + 1) - w / 2, np.arange(h + 1) - h / 2)
     z = 1.5 * np.random.default_rng(1).random(x.shape)
@@ -117,7 +117,7 @@ def rough() -> Scene:
 
 
 def above(away: float) -> Camera:
-    """A camera over the field that shows four fifths of it, or, farther away, more than there is."""
+    """Return a camera over the field that shows four fifths of it, or, farther away, more than there is."""
     distance = 0.4 * CELLS[1] * away
     return Camera.perspective(np.pi / 2, 0.1 * distance, 10 * distance, look_at((0, 0, distance), (0, 0, 0), (0, 1, 0)))
 

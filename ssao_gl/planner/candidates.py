@@ -41,7 +41,7 @@ class Candidate:
         return int(self.fields.get("layers", 1))
 
     def made(self, radius: float | None = None) -> Method:
-        """The method with these settings and a radius, scene units."""
+        """Return the method with these settings and a radius, scene units."""
         made: Method = assign(method(self.method), {**self.fields, "radius": radius})
         return made
 
@@ -67,7 +67,7 @@ class Family:
         return Candidate(self.method, {**self.fixed, self.varied: value})
 
     def taps(self, candidate: Candidate) -> int:
-        """The number that its candidates differ in."""
+        """Return the number that its candidates differ in."""
         return int(candidate.fields[self.varied])
 
     @property
@@ -97,7 +97,8 @@ PROBES: Mapping[str, tuple[str, str]] = {
 
 
 def chosen_from(names: Sequence[str], layers: int) -> list[Candidate]:
-    """The candidates of some methods (all when none are named) that look at no more than ``layers``. Raises SettingsError."""
+    """Return the candidates of some methods (all when none are named) that look at no more than ``layers``. Raises
+    SettingsError."""
     known = list(PROBES)
     for name in names:
         if name not in known:
@@ -108,7 +109,7 @@ def chosen_from(names: Sequence[str], layers: int) -> list[Candidate]:
 
 
 def differing(given: Method) -> list[str]:
-    """The settings of a method, but the radius, that are not as shipped: the planner would overrule them."""
+    """Return the settings of a method, but the radius, that are not as shipped: the planner would overrule them."""
     shipped = method(given.name)
     return [
         f"{field.name}={getattr(given, field.name)}"

@@ -68,7 +68,7 @@ class Choice:
     """By which milliseconds are counted, of ``CLOCKS``."""
 
     def noted(self, picture: Picture) -> Picture:
-        """A timed picture by these settings, with the prediction beside what it took in its report, as ``planned``."""
+        """Return a timed picture by these settings, with the prediction beside what it took in its report, as ``planned``."""
         took = sum(times(picture.report["passes"], self.clock).values())
         planned = {
             "budget_ms": self.target.budget_ms,
@@ -89,7 +89,8 @@ def times(passes: Sequence[Mapping[str, Any]], clock: str) -> dict[str, float]:
 
 
 def choose(predictions: Sequence[Prediction], target: Target) -> Prediction:
-    """The least error within the budget; without one, the least time within the error. Ties go to the cheaper, then the better.
+    """Return the least error within the budget; without one, the least time within the error. Ties go to the cheaper, then
+    the better.
 
     Raises SettingsError, which names what comes nearest, when nothing is within the target.
     """

@@ -37,7 +37,7 @@ class CostRate:
     tapped: float = 0.0
 
     def ms(self, work: PassWork) -> float:
-        """What ``work`` costs."""
+        """Return what ``work`` costs."""
         return self.fixed + self.area * work.area + self.shaded * work.shaded + self.tapped * work.tapped
 
 
@@ -68,7 +68,8 @@ class PlannedFrame:
 
 
 def fitted(measured: Sequence[tuple[PassWork, float]]) -> CostRate:
-    """The rate that explains some milliseconds best, relatively, without negative parts (by leaving out what would be)."""
+    """Return the rate that explains some milliseconds best, relatively, without negative parts (by leaving out what would
+    be)."""
     ms = np.maximum([time for _, time in measured], 1e-4)
     columns = np.array([(1.0, one.area, one.shaded, one.tapped) for one, _ in measured]) / ms[:, None]
     kept = [i for i in range(4) if columns[:, i].any()]
@@ -111,7 +112,7 @@ class Measured:
         return cls(framed.method, passes, covered, factor(own), factor([name for name in known if name != framed.method]))
 
     def beside(self, other: Measured) -> Measured:
-        """This frame, with the passes of another that it has not."""
+        """Return this frame, with the passes of another that it has not."""
         return dataclasses.replace(self, passes={**other.passes, **self.passes})
 
     def lacks(self, framed: PlannedFrame, rates: Rates) -> bool:

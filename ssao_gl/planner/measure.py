@@ -61,7 +61,7 @@ def file_views(paths: Sequence[Path]) -> Iterator[tuple[Scene, Camera]]:
 
 
 def measured(renderer: Renderer, scene: Scene, camera: Camera, size: Size, factor: float) -> list[ErrorSample]:
-    """The rows of one view: as a scene, and as depth alone."""
+    """Return the rows of one view: as a scene, and as depth alone."""
     radius = factor * (camera.ao_radius or scene.default_radius())
     given = Settings().with_radius(radius)
     truth = trace(scene, camera, size, Tracing(radius=radius, spp=SPP), cache=default_folder())
@@ -115,7 +115,7 @@ def _values(rows: Sequence[ErrorSample]) -> NDArray[np.float64]:
 
 
 def error_table(rows: Sequence[ErrorSample]) -> dict[str, Any]:
-    """The content of ``errors.json``."""
+    """Return the content of ``errors.json``."""
     made: dict[str, Any] = {}
     for layers, signs in SIGNS.items():
         some = [row for row in rows if row.layers == layers]

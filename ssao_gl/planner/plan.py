@@ -50,7 +50,7 @@ def plan(
     aovs: Sequence[str] = ("image", "visibility"),
     cache: Path | None = None,
 ) -> Choice:
-    """The settings to render ``scene`` with, so that frames meet ``target``. ``size`` is (width, height).
+    """Return the settings to render ``scene`` with, so that frames meet ``target``. ``size`` is (width, height).
 
     ``settings`` give what is not chosen: light, rules of leaving out, the radius; and the method, when it is not the default one.
     ``cache``: the folder of calibrations, the platform's own by default. Draws some frames: once for each driver those of the
@@ -75,14 +75,15 @@ def plan_arrays(
     depth_kind: str = EYE_DEPTH,
     cache: Path | None = None,
 ) -> Choice:
-    """The same for :meth:`ssao_gl.Renderer.apply`, whose arrays these are. Raises FormatError for shapes that do not fit."""
+    """Return the same for :meth:`ssao_gl.Renderer.apply`, whose arrays these are. Raises FormatError for shapes that do not
+    fit."""
     given = _template(settings)
     subject = of_arrays(renderer, depth, camera, given, color=color, normals=normals, depth_kind=depth_kind)
     return _planned(renderer, subject, target, given, ("visibility", "depth", "normal"), cache)
 
 
 def _template(settings: Settings | None) -> Settings:
-    """Raises SettingsError for what the planner would overrule, or knows nothing of."""
+    """Raise SettingsError for what the planner would overrule, or knows nothing of."""
     given = settings or Settings()
     chosen = differing(given.method)
     if chosen:
@@ -128,7 +129,7 @@ def _planned(
 
 
 def look(subject: PlanTarget, settled: Callable[[Candidate], Settings]) -> tuple[ViewFeatures, float]:
-    """What small pictures of a view show, and the share of it that is not background."""
+    """Return what small pictures of a view show, and the share of it that is not background."""
     looks = [FINE, COARSE, *([DEEP] if subject.layers > 1 else [])]
     wanted = ("visibility", "depth", "normal")
     drawn = [subject.draw(settled(CANDIDATES[name][1]), SMALLER, wanted, 0) for name in looks]

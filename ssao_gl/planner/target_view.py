@@ -42,7 +42,7 @@ class PlanTarget:
 def of_scene(
     renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings, aovs: Sequence[str]
 ) -> PlanTarget:
-    """A scene to be rendered."""
+    """Return a scene to be rendered."""
 
     def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
         return renderer.render(

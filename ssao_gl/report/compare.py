@@ -94,7 +94,8 @@ def _share(before: F64, after: F64, axis: int = -1) -> F64:
 
 
 def regressions(found: Sequence[Change], most: float, slowest: float | None) -> list[Change]:
-    """Changes that are worse beyond the noise and by more than a share: ``most`` of the error, ``slowest`` of the time."""
+    """Return changes that are worse beyond the noise and by more than a share: ``most`` of the error, ``slowest`` of the
+    time."""
     limits = {ERROR: most, TIME: slowest}
     return [
         change

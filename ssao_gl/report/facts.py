@@ -7,7 +7,7 @@ from typing import Any
 
 
 def facts(found: Mapping[str, Any]) -> dict[str, str]:
-    """What a reader must know of how results came about, in words."""
+    """Return what a reader must know of how results came about, in words."""
     made, settings = found["machine"], found["settings"]
     threads = ", ".join(f"{name}={value}" for name, value in made["threads"].items()) or "no thread variables set"
     truth = settings["truth"]

@@ -52,7 +52,7 @@ def overlap(some: F64, others: F64) -> F64:
 
 
 def _along(line: F64) -> F64:
-    """A line (k, 2) as a row of small boxes (n, 4)."""
+    """Return a line (k, 2) as a row of small boxes (n, 4)."""
     parts = [np.linspace(a, b, max(1, math.ceil(np.linalg.norm(b - a) / STEP)) + 1) for a, b in itertools.pairwise(line)]
     places = np.concatenate(parts) if parts else np.zeros((0, 2))
     return np.concatenate([places - 1.5, places + 1.5], 1)

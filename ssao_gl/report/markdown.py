@@ -13,7 +13,7 @@ from .tables import Table, tables, text
 
 
 def markdown(found: Mapping[str, Any], drawn: Sequence[Plot]) -> str:
-    """The whole text."""
+    """Return the whole text."""
     parts = ["# Ambient occlusion: error against time", f"`{found['command']}`"]
     parts += [f"![{plot.title}]({plot.name}.svg)" for plot in drawn]
     parts += [f"## {table.title}\n\n{table.note}\n\n{grid(table)}" for table in tables(found)]
@@ -22,7 +22,7 @@ def markdown(found: Mapping[str, Any], drawn: Sequence[Plot]) -> str:
 
 
 def grid(table: Table) -> str:
-    """A table of GitHub's Markdown; numbers to the right."""
+    """Return a table of GitHub's Markdown; numbers to the right."""
     number = [bool(column.spec) for column in table.columns]
     lines = [
         "| " + " | ".join(_cell(column.title) for column in table.columns) + " |",

@@ -53,7 +53,7 @@ def _lead(found: Mapping[str, Any]) -> str:
 
 
 def _drawing(plot: Plot) -> str:
-    """The SVG itself, in the colours of the page."""
+    """Return the SVG itself, in the colours of the page."""
     return plot.svg[plot.svg.index("<svg") :].replace(INK, "currentColor")
 
 

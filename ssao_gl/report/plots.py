@@ -60,7 +60,7 @@ def plots(found: Mapping[str, Any]) -> list[Plot]:
 
 
 def styles(names: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """method -> (colour, marker), the same in every plot of a report."""
+    """Return method -> (colour, marker), the same in every plot of a report."""
     return {name: (COLORS[i % len(COLORS)], MARKERS[i % len(MARKERS)]) for i, name in enumerate(names)}
 
 

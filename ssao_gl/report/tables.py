@@ -66,7 +66,7 @@ PREPARED = (
 
 
 def text(cell: Cell, spec: str = "") -> str:
-    """A cell as it is shown; nothing is a dash."""
+    """Return a cell as it is shown; nothing is a dash."""
     if cell is None:
         return "–"
     return cell if isinstance(cell, str) else format(cell, spec or ".4g")

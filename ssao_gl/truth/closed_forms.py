@@ -54,7 +54,7 @@ def closed_forms() -> Mapping[str, ClosedForm]:
 
 
 def plane_scene() -> ClosedForm:
-    """An unbounded floor."""
+    """Return an unbounded floor."""
     camera = _camera((0, 2, 3), (0, 0, 0))
     return ClosedForm("plane", "O = 0", Scene([_floor()]), camera, 1.0, lambda p: np.ones(len(p)), True)
 
@@ -75,17 +75,17 @@ def wall() -> ClosedForm:
 
 
 def ball_scene() -> ClosedForm:
-    """A ball of radius 1 that lies on the floor."""
+    """Return a ball of radius 1 that lies on the floor."""
     return _ball("ball", 1.0, "O = r^3 / (s^2 + r^2)^(3/2), s = way from the point of contact")
 
 
 def raised_ball() -> ClosedForm:
-    """A ball of radius 1 with its centre at height 2."""
+    """Return a ball of radius 1 with its centre at height 2."""
     return _ball("raised_ball", 2.0, "O = r^2 h / (s^2 + h^2)^(3/2), h = height of the centre")
 
 
 def disk() -> ClosedForm:
-    """A disk of radius 1, 1.2 above the floor and parallel to it."""
+    """Return a disk of radius 1, 1.2 above the floor and parallel to it."""
     height = 1.2
     thin = lathe(np.array([[0.0, height], [1.0, height]]), np.array([[0.0, 1.0], [0.0, 1.0]]), SEGMENTS)
     formula = "O = 1/2 - (h^2 + s^2 - r^2) / (2 sqrt((h^2 + s^2 + r^2)^2 - 4 s^2 r^2)), s = way from the axis"
@@ -95,7 +95,7 @@ def disk() -> ClosedForm:
 
 
 def well() -> ClosedForm:
-    """The bottom of a round well of radius 1 and depth 1.5: the sky is a disk above it."""
+    """Return the bottom of a round well of radius 1 and depth 1.5: the sky is a disk above it."""
     depth = 1.5
     profile = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, depth]])
     inner = lathe(profile, np.array([[0.0, 1.0], [0.0, 1.0], [-1.0, 0.0], [-1.0, 0.0]]), SEGMENTS)
@@ -111,7 +111,7 @@ def well() -> ClosedForm:
 
 
 def trench() -> ClosedForm:
-    """The bottom of a long trench of half width 1 and depth 1.5."""
+    """Return the bottom of a long trench of half width 1 and depth 1.5."""
     depth, half = 1.5, 1.0
 
     def open_sky(points: F64) -> F64:
@@ -127,7 +127,7 @@ def trench() -> ClosedForm:
 
 
 def bowl() -> ClosedForm:
-    """The inside of a hemisphere of radius 1: seen from everywhere on it, its other half fills half of what there is."""
+    """Return the inside of a hemisphere of radius 1: seen from everywhere on it, its other half fills half of what there is."""
     segments = 2 * SEGMENTS  # here the tilt of the facets counts, which falls with the first power only
     turn = np.linspace(-np.pi / 2, 0, segments // 4 + 1)
     profile = np.stack([np.cos(turn), np.sin(turn)], 1)
@@ -137,7 +137,7 @@ def bowl() -> ClosedForm:
 
 
 def post() -> ClosedForm:
-    """A round post of radius 0.25 that stands on the floor and does not end."""
+    """Return a round post of radius 0.25 that stands on the floor and does not end."""
     radius = 0.25
 
     def visibility(points: F64) -> F64:
@@ -175,7 +175,7 @@ def _floor(center: tuple[float, float, float] = (0, 0, 0), x: tuple[float, float
 
 
 def _quad(center: ArrayLike, right: ArrayLike, up: ArrayLike, name: str) -> Mesh:
-    """A parallelogram about ``center``, from its middle to its sides by ``right`` and ``up``."""
+    """Return a parallelogram about ``center``, from its middle to its sides by ``right`` and ``up``."""
     c, r, u = (np.asarray(v, np.float32) for v in (center, right, up))
     corners = np.stack([c - r - u, c + r - u, c + r + u, c - r + u])
     return Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]], np.uint32), name=name)

@@ -44,7 +44,7 @@ class RayScene:
     """Triangles of a scene, every instance, as blockers with two sides. Calls may come from several threads at once."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raises SettingsError without embreex, SceneError for a scene that Embree cannot hold."""
+        """Raise SettingsError without embreex, SceneError for a scene that Embree cannot hold."""
         embree = _embreex()
         self.scene = scene
         _check_memory(scene)
@@ -70,7 +70,7 @@ class RayScene:
         return np.asarray(self._embree.run(origins, directions, dists=reach, query="DISTANCE"))
 
     def hits(self, origins: F32, directions: F32, reach: F32) -> dict[str, NDArray[Any]]:
-        """The first hits of rays (n, 3) within ``reach`` (n,): barycentric u and v, primID and geomID (-1: none)."""
+        """Return the first hits of rays (n, 3) within ``reach`` (n,): barycentric u and v, primID and geomID (-1: none)."""
         # embreex writes the distances it finds into the array it is given.
         found: dict[str, NDArray[Any]] = self._embree.run(origins, directions, dists=reach.copy(), query="INTERSECT", output=1)
         return found

@@ -41,7 +41,7 @@ class Tracing:
         validate(self)
 
     def with_radius(self, radius: float) -> Tracing:
-        """These settings with an automatic radius settled to ``radius`` scene units."""
+        """Return these settings with an automatic radius settled to ``radius`` scene units."""
         return self if self.radius is not None else dataclasses.replace(self, radius=radius)
 
     @property

@@ -41,7 +41,7 @@ class Store:
         self._partial = folder / f"truth-{key}.part.npz"
 
     def result(self) -> dict[str, Any] | None:
-        """What :meth:`finish` wrote, or None."""
+        """Return what :meth:`finish` wrote, or None."""
         found = _read(self._result)
         if found is not None:
             with suppress(OSError):
@@ -49,7 +49,7 @@ class Store:
         return found
 
     def partial(self) -> dict[str, Any] | None:
-        """What :meth:`keep` wrote last, or None."""
+        """Return what :meth:`keep` wrote last, or None."""
         return _read(self._partial)
 
     def keep(self, arrays: dict[str, Any]) -> None:
@@ -65,7 +65,8 @@ class Store:
 
 
 def store(folder: Path, key: str) -> Store:
-    """The store of ``key`` in ``folder``, which is made. Raises FormatError at once when nothing can be written there."""
+    """Return the store of ``key`` in ``folder``, which is made. Raises FormatError at once when nothing can be written
+    there."""
     make_folder(folder)
     check_writable(folder, folder=True)
     return Store(folder, key)

@@ -47,7 +47,7 @@ class Sums:
 
     @classmethod
     def restored(cls, saved: Mapping[str, Any]) -> Sums:
-        """What :meth:`saved` gave."""
+        """Return what :meth:`saved` gave."""
         places = blocks(len(saved["total"]))
         parts = [
             PartialSums(int(n), saved["total"][at], saved["squares"][at])

@@ -122,7 +122,7 @@ def _interpolated(rays: RayScene, found: dict[str, NDArray[np.float32]]) -> tupl
 
 
 def _unit(vectors: F64, instead: F64) -> F64:
-    """Unit vectors (n, 3); those of no or infinite length are replaced."""
+    """Return unit vectors (n, 3); those of no or infinite length are replaced."""
     with np.errstate(invalid="ignore", over="ignore"):
         largest = np.abs(vectors).max(1, keepdims=True, initial=0)
         good = np.isfinite(largest) & (largest > 0)

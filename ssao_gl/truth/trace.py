@@ -130,7 +130,7 @@ def gather(seen: Surface, tracing: Tracing, *, kept: Store | None = None, progre
 
 
 def local_radius(rays: RayScene, tracing: Tracing) -> float:
-    """The radius in local units. Raises SettingsError when it is not settled, or so small that offsets would blur it."""
+    """Return the radius in local units. Raises SettingsError when it is not settled, or so small that offsets would blur it."""
     if tracing.radius is None:
         raise SettingsError("truth.radius: must be given here")
     least = 64 * OFFSET
