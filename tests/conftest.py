@@ -33,8 +33,6 @@ def openable() -> tuple[str, ...]:
         except Exception as reason:
             if provider.name in EXPECTED:
                 pytest.exit(f"provider {provider.name} is expected here but does not open: {reason}", 1)
-    if not names:
-        pytest.exit("no OpenGL provider opens here; see: ssao-gl doctor", 1)
     return tuple(names)
 
 
@@ -43,7 +41,19 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_report_header() -> str:
-    return f"OpenGL providers: {', '.join(openable())}"
+    return f"OpenGL providers: {', '.join(openable()) or 'none'}"
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Refuse to pass without OpenGL, unless tests that need it are left out on purpose: ``-m "not gl"``."""
+    if not openable() and any(item.get_closest_marker("gl") for item in items):
+        pytest.exit('no OpenGL provider opens here (see: ssao-gl doctor); -m "not gl" leaves out what needs one', 1)
+
+
+def pytest_itemcollected(item: pytest.Item) -> None:
+    if {"provider", "renderer", "any_renderer"} & set(getattr(item, "fixturenames", ())):
+        item.add_marker("gl")
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

@@ -29,7 +29,7 @@ from ..tiling.layout import layout
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, progress, say, write_json
 from .plan_options import PlanOptions, compared, drawn_at_once, expected
-from .tile_options import TileOption, draw_tiles, summary
+from .tile_options import TileOption, draw_tiles, picture_line
 
 ANIMATIONS = (".gif", ".webp", ".apng")
 TIMED_FRAMES = 5
@@ -146,7 +146,7 @@ def _check_output(output: Path, turntable: int, bits: int) -> None:
 
 def _save(picture: Picture, to: PictureOptions) -> None:
     aov = next(iter(picture.arrays)) if len(picture.arrays) == 1 else None
-    say(summary(to.output, picture.save(to.output, aov=aov, bits=to.bits), picture.report), to.json)
+    say(picture_line(to.output, picture.save(to.output, aov=aov, bits=to.bits), picture.report), to.json)
     if "planned" in picture.report:
         say(compared(picture.report["planned"]), to.json)
 

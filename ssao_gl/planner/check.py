@@ -103,7 +103,7 @@ def worse(found: Sequence[Outcome]) -> dict[str, list[float]]:
     return ratios
 
 
-def summary(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
+def check_lines(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
     """Lines about all views."""
     every = [one for some in found.values() for one in some]
     apart = {
@@ -156,7 +156,7 @@ def main() -> None:
                     temporary.write_text(
                         json.dumps([dataclasses.asdict(one) for every in found.values() for one in every], indent=1)
                     )
-    sys.stdout.write("\n".join(summary(found)) + "\n")
+    sys.stdout.write("\n".join(check_lines(found)) + "\n")
 
 
 if __name__ == "__main__":

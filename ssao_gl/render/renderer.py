@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import functools
-import importlib
 import importlib.metadata
 import time
-import warnings
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -35,6 +33,7 @@ from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
 from .arrays import check_arrays, check_size, radius_of
+from .deprecated import drawn_to_budget
 from .memory import check_room
 from .picture import Picture
 from .readback import read_aov, time_passes
@@ -46,25 +45,6 @@ Result = TypeVar("Result")
 @functools.cache
 def _version() -> str:
     return importlib.metadata.version("ssao_gl")  # which reads a file
-
-
-def _planned(function: str, budget: Mapping[str, float | None]) -> Callable[..., Picture] | None:
-    """Return the function of the planner that draws to a budget: what ``Renderer`` itself did in 0.1.
-
-    None where no budget is given.
-    """
-    if unknown := set(budget) - {"budget_ms", "max_error"}:
-        raise TypeError(f"Renderer: there is no argument {', '.join(map(repr, sorted(unknown)))}")
-    if all(value is None for value in budget.values()):
-        return None
-    warnings.warn(
-        "Renderer: budget_ms and max_error will go in 0.3; use ssao_gl.plan and its settings, or ssao_gl.render",
-        DeprecationWarning,
-        stacklevel=4,
-    )
-    planner = importlib.import_module("ssao_gl.planner")  # by name: the planner draws with renderers, which know nothing of it
-    target = planner.Target(**budget)
-    return functools.partial(getattr(planner, function), target=target)
 
 
 def _current(method: Callable[Concatenate[Renderer, Arguments], Result]) -> Callable[Concatenate[Renderer, Arguments], Result]:
@@ -126,7 +106,7 @@ class Renderer:
         ``aovs``: any of image, visibility, depth, normal, bent, color. ``timed`` draws that many frames more and reports the median
         milliseconds of each pass. ``budget``: ``budget_ms`` and ``max_error`` of 0.1, deprecated; plan with :func:`ssao_gl.plan` or :func:`ssao_gl.render`.
         """
-        if draw := _planned("render_planned", budget):
+        if draw := drawn_to_budget("render_planned", budget):
             return draw(self, scene, camera, size, settings=settings, aovs=aovs, timed=timed, checked=checked)
         made, frame, seen = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
@@ -217,7 +197,7 @@ class Renderer:
         color: (h, w, 3 or 4) uint8 sRGB, to be dimmed. normals: (h, w, 3) view space. Gives ``aovs``, and image when
         there is colour. Raises FormatError for shapes that do not fit. ``timed``, ``budget``: see :meth:`render`.
         """
-        if draw := _planned("apply_planned", budget):
+        if draw := drawn_to_budget("apply_planned", budget):
             given = {"color": color, "normals": normals, "depth_kind": depth_kind}
             return draw(self, depth, camera, settings=settings, **given, aovs=aovs, timed=timed, checked=checked)
         depth, color, normals = check_arrays(depth, color, normals)

@@ -42,7 +42,8 @@ class ViewConstants:
             raise SettingsError("camera: the projection has numbers that are not finite")
         with np.errstate(all="ignore"):
             rows = m[:2, :2] / np.linalg.norm(m[:2, :2], axis=1, keepdims=True)
-        if not abs(np.linalg.det(rows)) > 1e-12:
+            flat = not abs(np.linalg.det(rows)) > 1e-12
+        if flat:
             raise SettingsError("camera: the projection flattens the image (its upper left 2x2 block is singular)")
         if np.abs(m[3, :2]).max() > 1e-9 * np.abs(m[3]).max():
             raise SettingsError("camera: projections whose w depends on x or y are not supported")

@@ -49,7 +49,7 @@ class ClosedForm:
 @cache
 def closed_forms() -> Mapping[str, ClosedForm]:
     """All of them by name."""
-    makers = (plane_scene, wall, ball_scene, raised_ball, disk, well, trench, bowl, post)
+    makers = (plane_scene, wall, ball_scene, raised_ball, disk, well_bottom, trench, bowl, post)
     return {form.name: form for form in (make() for make in makers)}
 
 
@@ -94,7 +94,7 @@ def disk() -> ClosedForm:
     return ClosedForm("disk", formula, scene, camera, 10.0, _on_floor(lambda p: 1 - disk_factor(p, 1.0, height)), False)
 
 
-def well() -> ClosedForm:
+def well_bottom() -> ClosedForm:
     """Return the bottom of a round well of radius 1 and depth 1.5: the sky is a disk above it."""
     depth = 1.5
     profile = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, depth]])

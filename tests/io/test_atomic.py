@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import signal
+import stat
 import subprocess
 import sys
 import threading
@@ -15,7 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ssao_gl.errors import FormatError
-from ssao_gl.io.atomic import _temporary, atomic_write, locked_folder
+from ssao_gl.io.atomic import _temporary, atomic_write, check_writable, locked_folder, why_unreadable
 
 
 def write(path: Path, content: bytes) -> None:
@@ -160,3 +161,52 @@ def test_a_folder_is_claimed_by_one_run(tmp_path: Path) -> None:
         pass
     with pytest.raises(FormatError, match="cannot write"), locked_folder(tmp_path / "gone"):
         pass
+
+
+def test_written_whole_or_not(tmp_path: Path) -> None:
+    target = tmp_path / "a.txt"
+    with atomic_write(target) as temporary:
+        temporary.write_text("one")
+        assert not target.exists()
+    assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
+    for error in (KeyboardInterrupt, RuntimeError, SystemExit):
+        with pytest.raises(error), atomic_write(target) as temporary:
+            temporary.write_text("half")
+            raise error
+        assert target.read_text() == "one" and list(tmp_path.iterdir()) == [target]
+
+
+def test_mode_follows_the_umask(tmp_path: Path) -> None:
+    before = os.umask(0o027)
+    try:
+        with atomic_write(tmp_path / "a") as temporary:
+            temporary.write_text("x")
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == 0o640
+
+
+def test_check_writable_leaves_nothing(tmp_path: Path) -> None:
+    check_writable(tmp_path / "a.png")
+    check_writable(tmp_path / "x" / "y", folder=True)
+    assert not list(tmp_path.iterdir())
+    (tmp_path / "f").write_text("x")
+    for path, folder, text in (
+        (tmp_path / "gone" / "a.png", False, "there is no folder"),
+        (tmp_path / "f" / "a.png", False, "is not a folder"),
+        (tmp_path / "f" / "x", True, "is not a folder"),
+        (tmp_path, False, "it is a folder"),
+        (Path("/proc/a.png"), False, "cannot write /proc/a.png"),
+    ):
+        with pytest.raises(FormatError, match=text):
+            check_writable(path, folder=folder)
+
+
+def test_unreadable(tmp_path: Path) -> None:
+    (tmp_path / "full").write_text("x")
+    (tmp_path / "empty").write_text("")
+    assert why_unreadable(tmp_path / "full") is None
+    assert why_unreadable(tmp_path / "empty") == "the file is empty" and why_unreadable(tmp_path / "empty", empty=True) is None
+    assert why_unreadable(tmp_path) == "is a folder"
+    assert why_unreadable(tmp_path / "gone") == why_unreadable(tmp_path / "full" / "x") == "no such file"
+    assert why_unreadable(Path("/dev/zero")) == "is not a regular file"

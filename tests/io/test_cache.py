@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ssao_gl.io.cache import default_folder, read_cached, write_cached
+from ssao_gl.io.cache import default_folder, prune, read_cached, write_cached
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the variable is that of freedesktop.org's systems")
@@ -38,3 +38,13 @@ def test_a_folder_that_cannot_be_made_costs_a_warning(tmp_path: Path, caplog: py
     with caplog.at_level(logging.WARNING):
         write_cached(tmp_path / "file" / "a.txt", lambda temporary: None)
     assert "going on without" in caplog.text
+
+
+def test_the_cache_forgets_what_was_not_used_for_longest(tmp_path: Path) -> None:
+    import os
+
+    for age, name in enumerate(("truth-c.npz", "truth-b.npz", ".truth-a.x.npz", "truth-a.npz", "kept.txt")):
+        (tmp_path / name).write_bytes(bytes(100))
+        os.utime(tmp_path / name, (1000 - age, 1000 - age))
+    prune(tmp_path, "truth", 250)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["kept.txt", "truth-b.npz", "truth-c.npz"]

@@ -13,10 +13,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from scipy.stats import qmc
 
 from ssao_gl.errors import SettingsError
-from ssao_gl.sampling.disk import Kernel, Rotation, bayer, radical_inverse
 from ssao_gl.scene.camera import Camera, CropLens
 from ssao_gl.scene.projection import Matrix, ViewConstants
 
@@ -234,83 +232,3 @@ def test_a_camera_is_usable_or_refused(kind: str, values: list[float], size: tup
 
 
 # Kernels
-
-KERNELS = st.builds(
-    Kernel,
-    count=st.integers(1, 256),
-    distribution=st.sampled_from(["spiral", "hammersley", "uniform"]),
-    seed=st.integers(0, 2**31 - 1),
-)
-
-
-@given(KERNELS)
-def test_kernels_are_in_the_disk_and_repeat(kernel: Kernel) -> None:
-    points = kernel.points()
-    assert points.shape == (kernel.count, 2) and points.dtype == np.float32
-    assert np.linalg.norm(points.astype(np.float64), axis=1).max() < 1
-    np.testing.assert_array_equal(points, dataclasses.replace(kernel).points())
-
-
-@given(st.integers(1, 256), st.sampled_from(["spiral", "hammersley"]))
-def test_points_have_equal_weight(count: int, distribution: str) -> None:
-    """The disk is cut into ``count`` rings of equal area with a point in each: any mean over rings is right to 1/n, and the
-    weights of Monte Carlo integration, 1/n each, sum to one."""
-    area = np.sort((Kernel(count=count, distribution=distribution).points().astype(np.float64) ** 2).sum(1))
-    np.testing.assert_allclose(area, (np.arange(count) + 0.5) / count, atol=1e-6)
-    assert area.mean() == pytest.approx(0.5, abs=1e-6)
-
-
-@given(st.integers(16, 256), st.sampled_from(["spiral", "hammersley"]))
-def test_points_are_of_low_discrepancy(count: int, distribution: str) -> None:
-    """Of the disk unrolled area for area: at most as that of the Hammersley set, (log2 n + 3.5) / 2n in two dimensions
-    (Niederreiter 1992, theorem 3.8), and far below what random points have."""
-    points = Kernel(count=count, distribution=distribution).points().astype(np.float64)
-    square = np.column_stack([(points**2).sum(1), np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi) % 1])
-    bound = (math.log2(count) + 3.5) / (2 * count)
-    assert star_discrepancy(square) <= bound
-    random = [qmc.discrepancy(np.random.default_rng(s).random((count, 2)), method="L2-star") for s in range(9)]
-    assert qmc.discrepancy(square.clip(0, 1), method="L2-star") < 0.9 * np.median(random)
-
-
-def star_discrepancy(points: np.ndarray) -> float:
-    """The largest difference between the share of points in a box at the origin and its area (exact, O(n^2))."""
-    n, worst = len(points), 0.0
-    corners = np.concatenate([points, [[1, 1]]])
-    for x in corners[:, 0]:
-        inside = points[points[:, 0] <= x]
-        strictly = points[points[:, 0] < x]
-        for y in (corners[:, 1],):
-            closed = (inside[:, 1][None] <= y[:, None]).sum(1) / n
-            open_ = (strictly[:, 1][None] < y[:, None]).sum(1) / n
-            worst = max(worst, (closed - x * y).max(), (x * y - open_).max())
-    return worst
-
-
-@given(st.integers(1, 64), st.sampled_from(["stratified", "random"]), st.integers(0, 2**31 - 1))
-def test_rotations_are_unit_vectors(tile: int, distribution: str, seed: int) -> None:
-    rotation = Rotation(tile=tile, distribution=distribution, seed=seed)
-    vectors = rotation.vectors()
-    assert vectors.shape == (tile, tile, 2) and vectors.dtype == np.float32
-    np.testing.assert_allclose(np.linalg.norm(vectors.astype(np.float64), axis=-1), 1, atol=1e-6)
-    np.testing.assert_array_equal(vectors, dataclasses.replace(rotation).vectors())
-
-
-@given(st.integers(1, 64), st.integers(0, 2**31 - 1))
-def test_stratified_rotations_are_even(tile: int, seed: int) -> None:
-    """Reflections at them turn a tap through the full circle in equal steps."""
-    vectors = Rotation(tile=tile, seed=seed).vectors().astype(np.float64).reshape(-1, 2)
-    turns = np.sort(2 * np.arctan2(vectors[:, 1], vectors[:, 0]) / (2 * np.pi) % 1)
-    np.testing.assert_allclose(turns, (np.arange(tile * tile) + 0.5) / tile**2, atol=1e-6)
-
-
-@given(st.integers(0, 6))
-def test_bayer_is_a_permutation(power: int) -> None:
-    assert sorted(bayer(2**power)) == list(range(4**power))
-
-
-@given(st.integers(0, 2**52 - 1))
-def test_radical_inverse_mirrors_the_bits(index: int) -> None:
-    value = radical_inverse(index)
-    assert 0 <= value < 1
-    bits = f"{index:b}"[::-1]
-    assert value == int(bits, 2) / 2 ** len(bits)

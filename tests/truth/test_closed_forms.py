@@ -60,3 +60,12 @@ def test_disk_factor_off_the_axis_is_an_integral_over_the_disk() -> None:
     # cos cos' / (pi d^2) dA with both cosines h / d
     integral = (height**2 / (np.pi * (x**2 + z**2 + height**2) ** 2) * r[:, None]).sum() * (radius / n) * (2 * np.pi / n)
     assert disk_factor([[way, 0, 0]], radius, height)[0] == pytest.approx(integral, rel=1e-5)
+
+
+def test_pixels_err_independently() -> None:
+    form = closed_forms()["bowl"]  # a half everywhere
+    found = gather(surface(form.scene, form.camera, (64, 48)), Tracing(radius=form.radius, spp=32))
+    error = found.visibility - 0.5
+    both = found.covered[:, 1:] & found.covered[:, :-1]
+    together = (error[:, 1:] * error[:, :-1])[both].mean() / (error[found.covered] ** 2).mean()
+    assert abs(together) < 0.1

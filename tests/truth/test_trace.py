@@ -12,14 +12,11 @@ import pytest
 
 from ssao_gl import Camera, Mesh, Scene, look_at
 from ssao_gl.errors import FormatError, SceneError, SettingsError
-from ssao_gl.io.cache import prune
 from ssao_gl.sampling.falloff import Falloff, rho
 from ssao_gl.scene.camera import Orthographic, Perspective, Pinhole, Projection
-from ssao_gl.scene.sample_scene import default_scene, place, sphere
+from ssao_gl.scene.sample_scene import place, sphere
 from ssao_gl.truth import Surface, Tracing, Truth, gather, surface, trace
 from ssao_gl.truth import store as caching
-from ssao_gl.truth.bench import bench
-from ssao_gl.truth.closed_forms import closed_forms
 from ssao_gl.truth.rays import RayScene
 
 SIZE = (48, 36)
@@ -29,16 +26,6 @@ rays_module = sys.modules["ssao_gl.truth.rays"]
 def quad(center: tuple[float, float, float], right: tuple[float, float, float], up: tuple[float, float, float]) -> Mesh:
     c, r, u = np.array(center), np.array(right), np.array(up)
     return Mesh(np.array([c - r - u, c + r - u, c + r + u, c - r + u], np.float32), np.array([[0, 1, 2], [0, 2, 3]], np.uint32))
-
-
-@pytest.fixture(scope="module")
-def courtyard() -> Scene:
-    return default_scene()
-
-
-@pytest.fixture(scope="module")
-def seen(courtyard: Scene) -> Surface:
-    return surface(courtyard, courtyard.cameras[0], SIZE)
 
 
 POSE = look_at((2, 1.5, 4), (0.2, 0.1, 0))
@@ -68,14 +55,6 @@ def test_points_lie_behind_pixel_centres(name: str) -> None:
     assert np.abs(world[:, :3] - found.points()).max() < 1e-4  # depth says the same
 
 
-def test_near_and_far_planes_cut() -> None:
-    scene = Scene([quad((0, 0, -z), (9, 0, 0), (0, 9, 0)) for z in (1, 2, 3)])
-    depths = {}
-    for near, far in ((0.5, 9.0), (1.5, 9.0), (2.5, 9.0), (0.1, 0.9), (3.5, 9.0)):
-        depths[near, far] = np.unique(surface(scene, Camera.perspective(1.0, near, far), (4, 4)).depth).tolist()
-    assert list(depths.values()) == [[1.0], [2.0], [3.0], [0.0], [0.0]]
-
-
 def test_row_0_is_the_top_and_background_is_exactly_1() -> None:
     scene = Scene([quad((0, 1, -3), (9, 0, 0), (0, 0.9, 0)), quad((0, 1, -2.9), (9, 0, 0), (0, 0.1, 0))])
     found = trace(scene, Camera.perspective(1.0, 0.1, 9.0), (16, 16), Tracing(radius=1.0, spp=16))
@@ -96,11 +75,6 @@ def test_normals_face_the_viewer_whatever_the_winding() -> None:
         assert (found.shading * exact).sum(1).min() > 0.999
         assert (found.normals * exact).sum(1).min() > 0.99
         assert np.abs(np.linalg.norm(found.normals, axis=1) - 1).max() < 1e-6
-
-
-def test_shading_normals_are_used_when_asked_for(courtyard: Scene, seen: Surface) -> None:
-    one, other = (gather(seen, Tracing(radius=0.7, spp=64, normals=n)) for n in ("geometric", "shading"))
-    assert np.abs(one.visibility - other.visibility).max() > 0.01
 
 
 def test_a_lone_plane_is_open_however_it_is_turned_and_cut() -> None:
@@ -159,49 +133,12 @@ def test_falloff_shapes() -> None:
     assert rho("quadratic", x.astype(np.float32)).dtype == np.float32
 
 
-@pytest.mark.parametrize("spp", [16, 128])
-def test_standard_error_is_the_spread_over_seeds(spp: int) -> None:
-    form = closed_forms()["trench"]
-    found = surface(form.scene, form.camera, (24, 18))
-    runs = [gather(found, Tracing(radius=form.radius, spp=spp, seed=seed)) for seed in range(48)]
-    spread = np.sqrt(np.var([run.visibility[run.covered] for run in runs], axis=0, ddof=1).mean())
-    said = np.sqrt(np.mean([run.noise**2 for run in runs]))
-    assert said == pytest.approx(spread, rel=0.06)
-
-
-def test_stratification_beats_plain_sampling(seen: Surface) -> None:
-    found = gather(seen, Tracing(radius=0.7, spp=256))
-    v = found.visibility[found.covered].astype(np.float64)
-    assert found.noise < 0.65 * np.sqrt((v * (1 - v)).mean() / found.spp)
-
-
-def test_pixels_err_independently() -> None:
-    form = closed_forms()["bowl"]  # a half everywhere
-    found = gather(surface(form.scene, form.camera, (64, 48)), Tracing(radius=form.radius, spp=32))
-    error = found.visibility - 0.5
-    both = found.covered[:, 1:] & found.covered[:, :-1]
-    together = (error[:, 1:] * error[:, :-1])[both].mean() / (error[found.covered] ** 2).mean()
-    assert abs(together) < 0.1
-
-
-def test_max_stderr_stops_when_it_holds_and_at_spp(seen: Surface) -> None:
-    limited = gather(seen, Tracing(radius=0.7, max_stderr=0.01))
-    assert limited.noise <= 0.01 and 256 <= limited.spp < 4096
-    capped = gather(seen, Tracing(radius=0.7, max_stderr=1e-5, spp=320))
-    assert capped.noise > 1e-5 and capped.spp == 320
-
-
 @pytest.mark.parametrize("spp", [1, 2, 3, 8, 63, 64, 100, 1000, 4096])
 def test_batches_hold_what_was_asked_for(spp: int) -> None:
     length, count = Tracing(spp=spp).batches
     assert length & (length - 1) == 0
     assert spp <= length * count < spp + length
     assert count >= min(spp, 2)
-
-
-def test_one_ray_has_an_unknown_error(seen: Surface) -> None:
-    found = gather(seen, Tracing(radius=0.7, spp=1))
-    assert set(np.unique(found.visibility)) == {0.0, 1.0} and found.noise == 0.5
 
 
 class Cut:
@@ -282,16 +219,6 @@ def test_damaged_files_are_noticed(
     assert trace(courtyard, camera, SIZE, tracing, cache=tmp_path).cached
 
 
-def test_the_cache_forgets_what_was_not_used_for_longest(tmp_path: Path) -> None:
-    import os
-
-    for age, name in enumerate(("truth-c.npz", "truth-b.npz", ".truth-a.x.npz", "truth-a.npz", "kept.txt")):
-        (tmp_path / name).write_bytes(bytes(100))
-        os.utime(tmp_path / name, (1000 - age, 1000 - age))
-    prune(tmp_path, "truth", 250)
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["kept.txt", "truth-b.npz", "truth-c.npz"]
-
-
 def test_a_full_disk_costs_the_cache_and_not_the_result(
     courtyard: Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -329,11 +256,6 @@ def test_a_camera_that_sees_nothing(courtyard: Scene) -> None:
     away = Camera.perspective(0.8, 0.1, 9.0, look_at((9, 9, 9), (18, 18, 18)))
     found = trace(courtyard, away, SIZE, Tracing(spp=8))
     assert (found.visibility == 1).all() and not found.covered.any() and found.noise == 0 and found.rays == 0
-
-
-def test_benchmark_traces_the_same_rays(seen: Surface) -> None:
-    speeds = bench(seen, Tracing(radius=0.7, spp=16), rounds=1)  # raises when the hits differ
-    assert 1 in speeds and all(bare > 0 and traced > 0 for bare, traced in speeds.values())
 
 
 def test_nothing_is_imported_before_it_is_needed() -> None:
