@@ -21,6 +21,7 @@ def test_the_demos_are_here() -> None:
     assert len(DEMOS) >= 7
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize("demo", DEMOS, ids=lambda path: path.stem)
 def test_demo(demo: Path, tmp_path: Path) -> None:
     command = [sys.executable, str(demo), "-o", str(tmp_path / "made"), "--size", "x".join(map(str, SIZE))]

@@ -94,7 +94,8 @@ def _read(path: Path) -> dict[str, Any] | None:
 
 
 def _arrays(path: Path) -> dict[str, Any]:
-    with np.load(path, allow_pickle=False) as content:
+    # The file is ours to close: of one that is cut, numpy leaves it open.
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
         arrays = {name: content[name] for name in content.files}
     if str(arrays.pop("digest")) != _digest(arrays):
         raise ValueError("its content has changed")

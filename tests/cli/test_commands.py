@@ -45,6 +45,7 @@ def names(folder: str | Path = ".") -> list[str]:
 # render
 
 
+@pytest.mark.gl
 def test_without_arguments(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """A picture of the embedded scene, and one line that says so."""
     out = run()
@@ -56,6 +57,7 @@ def test_without_arguments(run: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     assert shown["method"] == "bitmask" and shown["bitmask"]["radius"] > 0
 
 
+@pytest.mark.gl
 def test_one_file_by_suffix(run: Any) -> None:
     run("render", "-o", "a.npy", *SIZE)
     visibility = np.load("a.npy")
@@ -67,6 +69,7 @@ def test_one_file_by_suffix(run: Any) -> None:
     assert np.array_equal(images.load_image("a.exr"), np.load("d.npy"))
 
 
+@pytest.mark.gl
 def test_folder_gets_every_aov(run: Any) -> None:
     out = run("render", "-o", "out/", "--aov", "visibility,depth,normal,color,image", *SIZE)
     aovs = ["color", "depth", "image", "normal", "visibility"]
@@ -76,6 +79,7 @@ def test_folder_gets_every_aov(run: Any) -> None:
     assert len(names("out")) == 10, "the same names again"
 
 
+@pytest.mark.gl
 def test_json(run: Any) -> None:
     run("render", "-o", "a.png", "--json", "a.json", *SIZE)
     report = json.loads(Path("a.json").read_text())
@@ -85,10 +89,12 @@ def test_json(run: Any) -> None:
     assert json.loads(printed)["size"] == [64, 48], "nothing else on standard output"
 
 
+@pytest.mark.gl
 def test_quiet(run: Any) -> None:
     assert run("render", "-q", "-o", "a.png", *SIZE) == "" and names() == ["a.png"]
 
 
+@pytest.mark.gl
 def test_settings_from_everywhere(run: Any) -> None:
     Path("a.toml").write_text('method = "lecture"\n[lecture]\nsamples = 8\n')
     run("render", "--config", "a.toml", "--radius", "0.02", "--blur", "none", "-o", "a.png", "--json", "a.json", *SIZE)
@@ -97,12 +103,14 @@ def test_settings_from_everywhere(run: Any) -> None:
     assert settings["lecture"]["samples"] == 8 and settings["lecture"]["radius"] == 0.02
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize("method", sorted(registry()))
 def test_every_method(method: str, run: Any) -> None:
     run("render", "--method", method, "-o", "a.npy", *SIZE)
     assert 0 <= np.load("a.npy").min() < np.load("a.npy").max() <= 1
 
 
+@pytest.mark.gl
 def test_scene_files(run: Any) -> None:
     trimesh.creation.icosphere(3).export("ball.ply")
     assert "ball.ply, 1,280 triangles" in run("render", "ball.ply", "-o", "a.npy", "--aov", "depth", *SIZE)
@@ -110,6 +118,7 @@ def test_scene_files(run: Any) -> None:
     assert (depth[20:28, 28:36] > 0).all() and (depth[0] == 0).all(), "in the middle, with a margin"
 
 
+@pytest.mark.gl
 def test_camera_of_a_file(run: Any) -> None:
     camera = {"name": "top", "eye": [0, 9, 0], "target": [0, 0, 0], "up": [0, 0, -1], "yfov_deg": 60, "ao_radius": 0.125}
     Path("a.cam.json").write_text(json.dumps({"cameras": [camera]}))
@@ -118,6 +127,7 @@ def test_camera_of_a_file(run: Any) -> None:
     assert report["camera"] == "top" and report["settings"]["bitmask"]["radius"] == 0.125
 
 
+@pytest.mark.gl
 def test_negative_coordinates(run: Any) -> None:
     """Vectors may begin with a minus."""
     trimesh.creation.box().export("box.ply")
@@ -126,6 +136,7 @@ def test_negative_coordinates(run: Any) -> None:
     assert np.load("a.npy")[24, 32] == pytest.approx(4.5, rel=1e-5)
 
 
+@pytest.mark.gl
 def test_turntable_of_files(run: Any) -> None:
     out = run("render", "--turntable", 3, "-o", "turn", *SIZE)
     assert names("turn") == ["0000.png", "0001.png", "0002.png"] and out == "turn/: 3 frames\n"
@@ -134,6 +145,7 @@ def test_turntable_of_files(run: Any) -> None:
     assert "0001/depth.npy" in names("both") and "0000/image.png" in names("both")
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize("suffix", ["gif", "webp", "apng"])
 def test_turntable_of_one_file(suffix: str, run: Any) -> None:
     run("render", "--turntable", 3, "-o", f"turn.{suffix}", *SIZE)
@@ -178,6 +190,7 @@ def prepare() -> None:
     Image.fromarray(np.full((48, 64, 3), 200, np.uint8)).save("c.png")
 
 
+@pytest.mark.gl
 def test_apply(run: Any) -> None:
     prepare()
     out = run("apply", "c.png", "--depth", "d.npy", "--yfov-deg", 40, "--radius", 0.5, "-o", "a.png")
@@ -190,6 +203,7 @@ def test_apply(run: Any) -> None:
     assert (np.load("v.npy")[:4] == 1).all()
 
 
+@pytest.mark.gl
 def test_apply_to_window_depth(run: Any) -> None:
     """Needs a radius in scene units, and takes it."""
     prepare()
@@ -204,6 +218,7 @@ def test_apply_to_window_depth(run: Any) -> None:
     assert np.abs(np.load("w_out.npy") - np.load("d_out.npy")).max() <= 2 / 255
 
 
+@pytest.mark.gl
 def test_apply_into_a_folder(run: Any) -> None:
     prepare()
     run("apply", "c.png", "--depth", "d.npy", "--yfov-deg", 40, "-o", "out/", "--json", "a.json")
@@ -253,6 +268,7 @@ def test_shader(dialect: str, run: Any) -> None:
     assert text.startswith("#version ") and "#define SAMPLES 7" in text
 
 
+@pytest.mark.gl
 def test_doctor(run: Any) -> None:
     out = run("doctor")
     for name in ("egl-es", "egl-gl", "osmesa", "angle", "swiftshader", "native"):

@@ -50,6 +50,7 @@ def test_mobile_is_near_high(
     assert (image != lower[1][1]).any()  # something was rounded
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize("tilt", [0.6, 1.4])
 @pytest.mark.parametrize(("name", "preset"), CHOICES)
 def test_a_plane_stays_open(name: str, preset: str, tilt: float, monkeypatch: pytest.MonkeyPatch) -> None:

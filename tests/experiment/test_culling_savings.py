@@ -55,6 +55,7 @@ def test_nothing_is_measured_of_what_is_switched_off(any_renderer: ao.Renderer, 
     assert benchmark_rules(any_renderer, embedded, AFAR, SIZE, settings("medium", tuple(CULLING_RULES)), rounds=1) == []
 
 
+@pytest.mark.gl
 def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ("explain", "--measure", "--rounds", 1, "--size", "160x90")
     _, out, _ = run(*arguments, capsys=capsys)

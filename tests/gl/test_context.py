@@ -78,6 +78,7 @@ def test_any_context_of_an_api() -> None:
             ao.gl.open(name, api=other)  # type: ignore[arg-type]
 
 
+@pytest.mark.gl
 def test_renderers_of_all_libraries_take_turns() -> None:
     """OSMesa and EGL share what is current, and neither notices what the other one does to it."""
     settings = [ao.Settings(method=ao.Alchemy(radius=radius)) for radius in (0.5, 1.0)]

@@ -49,6 +49,7 @@ def agree(found: dict[str, np.ndarray]) -> None:
             assert (off <= 2.001).mean() >= 0.99, provider
 
 
+@pytest.mark.gl
 def test_all_providers_draw_the_same(embedded: Scene) -> None:
     agree(shots(embedded, None, (320, 240)))
     agree(default_shots(embedded, None, (320, 240)))

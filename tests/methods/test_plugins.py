@@ -100,6 +100,7 @@ def command(site: Path, *words: object) -> str:
     return done.stdout
 
 
+@pytest.mark.gl
 def test_the_command_line_knows_it_and_draws_it(site: Path, tmp_path: Path) -> None:
     """Its fields called ``steps`` and ``scale`` are its own business; the shader lies beside its module and includes ours."""
     assert "glow" in command(site, "methods")
@@ -111,6 +112,7 @@ def test_the_command_line_knows_it_and_draws_it(site: Path, tmp_path: Path) -> N
     assert set(np.unique(visibility).tolist()) == {np.float32(51) / np.float32(255), 1.0}
 
 
+@pytest.mark.gl
 def test_stress_and_the_contract_tests_ask_it(site: Path, tmp_path: Path) -> None:
     out = tmp_path / "stress.json"
     chosen = ["--only", "plane,infinite-far", "--failures", tmp_path / "failures"]
@@ -123,6 +125,7 @@ def test_stress_and_the_contract_tests_ask_it(site: Path, tmp_path: Path) -> Non
     assert re.search(r"contract/test_methods\.py: \d\d+", collected.stdout), collected.stdout[-2000:]
 
 
+@pytest.mark.gl
 def test_the_report_measures_it(site: Path, tmp_path: Path) -> None:
     words = ["--methods", "glow,alchemy", "--presets", "low", "--size", "64x48", "--spp", "4", "--rounds", "1", "--fit", "none"]
     command(site, "report", *words, "--no-reference", "--cache", tmp_path / "cache", "-o", tmp_path / "report")

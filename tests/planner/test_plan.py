@@ -186,6 +186,7 @@ def test_errors_are_as_predicted(any_renderer: ao.Renderer, embedded: Scene) -> 
 # command line
 
 
+@pytest.mark.gl
 def test_render_says_what_was_planned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ("render", "--size", "96x64", "--budget-ms", "1e6", "-o", tmp_path / "a.png", "--json", tmp_path / "a.json")
     code, out, _ = run(*arguments, capsys=capsys)
@@ -196,11 +197,13 @@ def test_render_says_what_was_planned(tmp_path: Path, capsys: pytest.CaptureFixt
     assert planned["chosen"] in line and planned["budget_ms"] == 1e6
 
 
+@pytest.mark.gl
 def test_turntables_are_planned_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run("render", "--size", "64x48", "--max-error", "0.5", "--turntable", 2, "-o", tmp_path / "t", capsys=capsys)
     assert code == 0 and out.startswith("planned: ") and "t/: 2 frames" in out and len(list((tmp_path / "t").iterdir())) == 2
 
 
+@pytest.mark.gl
 def test_apply_says_what_was_planned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     np.save(tmp_path / "depth.npy", np.full((32, 48), 2, np.float32))
     arguments = ("--depth", tmp_path / "depth.npy", "--yfov-deg", 40, "--max-error", 0.5, "-o", tmp_path / "v.npy")
@@ -208,6 +211,7 @@ def test_apply_says_what_was_planned(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert code == 0 and out.splitlines()[1].startswith("planned: ") and (tmp_path / "v.npy").is_file()
 
 
+@pytest.mark.gl
 def test_explain_lists_what_was_considered(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run("explain", "--size", "96x64", "--budget-ms", "1e6", capsys=capsys)
     assert code == 0 and "chosen for at most 1e+06 ms" in out and all(name in out for name in CANDIDATES)
@@ -216,6 +220,7 @@ def test_explain_lists_what_was_considered(capsys: pytest.CaptureFixture[str]) -
     assert {one["name"] for one in planned["considered"]} == set(CANDIDATES) and planned["chosen"] in CANDIDATES
 
 
+@pytest.mark.gl
 def test_out_of_reach_is_one_line_and_no_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for target in (("--budget-ms", "1e-6"), ("--max-error", "1e-6")):
         line = refused(capsys, "render", "--size", "64x48", *target, "-o", tmp_path / "a.png")

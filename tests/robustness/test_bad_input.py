@@ -266,6 +266,7 @@ def test_settings_file_of_bytes(folder: Path, capsys: pytest.CaptureFixture[str]
     assert run("explain", "--config", folder / "a.toml", capsys=capsys)[0] == 0
 
 
+@pytest.mark.gl
 def test_arrays_that_do_not_fit(folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     from PIL import Image
 
@@ -297,6 +298,7 @@ def test_no_opengl(capsys: pytest.CaptureFixture[str], folder: Path, monkeypatch
     assert "Traceback" not in err and not list(folder.iterdir())
 
 
+@pytest.mark.gl
 def test_full_disk(folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """An error while the file is written leaves neither it nor a temporary one, and an older one stays."""
     import errno
@@ -312,6 +314,7 @@ def test_full_disk(folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch
     assert list(folder.iterdir()) == [target] and target.read_bytes() == b"older"
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize("name", ["a.png", "a.npy", "a.exr", "turn.gif"])
 def test_file_too_large(name: str, folder: Path) -> None:
     """As on a full disk, but for real: the system refuses after 2 KiB."""
@@ -353,6 +356,7 @@ def heed_ctrl_c() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize("output", ["frames", "a.gif"])
 def test_interrupted(number: int, code: int, output: str, folder: Path) -> None:
@@ -373,6 +377,7 @@ def test_interrupted(number: int, code: int, output: str, folder: Path) -> None:
         Image.open(path).load()
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize("arguments", [("methods",), ("shader", "alchemy"), ("explain",)])
 def test_closed_pipe(arguments: tuple[str, ...]) -> None:
     running = command(*arguments)

@@ -97,6 +97,7 @@ BROKEN_FOLDERS: dict[str, tuple[Callable[[Path], object], str]] = {
 }
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize("case", BROKEN_FOLDERS)
 def test_broken_shader_folder(case: str, tmp_path: Path) -> None:
     folder = shutil.copytree(preprocess.root(), tmp_path / "shaders")
@@ -191,6 +192,7 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize("case", OUTPUTS)
 def test_full_disk(case: str, place: Path) -> None:
     """The system refuses after 2 KiB of each file: one line, nothing half-written, nothing beside."""
@@ -221,6 +223,7 @@ RUNS: dict[str, list[object]] = {
 STOPS = [(case, number) for case in RUNS for number in (signal.SIGINT, signal.SIGKILL)] + [("file", signal.SIGTERM)]
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize(("case", "number"), STOPS)
 def test_stopped_at_any_moment(case: str, number: int, place: Path) -> None:
     """Whole files or none; after kills at most one hidden file, or the tiles so far; a run then finishes, and nothing stays."""

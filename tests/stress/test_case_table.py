@@ -29,6 +29,7 @@ def test_recommended_methods_break_nothing(name: str) -> None:
     assert dict(ao.registry()[name].exceptions) == {}  # type: ignore[attr-defined]
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -53,6 +54,7 @@ def test_bad_options_get_one_line(
     assert ended.value.code == 2 and message in said and said.count("\n") == 1
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize(
     ("text", "message"),
     [

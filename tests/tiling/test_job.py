@@ -140,6 +140,7 @@ def command(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pyt
     return render
 
 
+@pytest.mark.gl
 def test_the_command_line_writes_the_same_files(command: Any) -> None:
     out = command("-o", "tiles", "--aov", ",".join(ALL), "--tile", 64, "--json", "tiles.json", "--method", "alchemy")
     assert out.startswith("tiles/ (10 files): ") and "160x100 in 3x2 tiles" in out
@@ -155,6 +156,7 @@ def test_the_command_line_writes_the_same_files(command: Any) -> None:
     assert sorted(path.name for path in Path().iterdir()) == ["tiles", "tiles.json", "whole"]
 
 
+@pytest.mark.gl
 def test_one_file_by_suffix_and_bits(command: Any) -> None:
     command("-o", "a.npy", "--tile", 64)
     command("-o", "a.png", "--tile", 64, "--aov", "visibility", "--bits", 16)
@@ -174,6 +176,7 @@ def test_explain_says_how_many_tiles(capsys: pytest.CaptureFixture[str]) -> None
     assert json.loads(out)["tiles"] is None
 
 
+@pytest.mark.gl
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
