@@ -380,11 +380,11 @@ def test_interrupted(number: int, code: int, output: str, folder: Path) -> None:
 @pytest.mark.gl
 @pytest.mark.parametrize("arguments", [("methods",), ("shader", "alchemy"), ("explain",)])
 def test_closed_pipe(arguments: tuple[str, ...]) -> None:
-    running = command(*arguments)
-    assert running.stdout is not None and running.stderr is not None
-    running.stdout.close()
-    err = running.stderr.read()
-    assert running.wait(30) == 0 and err == ""
+    with command(*arguments) as running:
+        assert running.stdout is not None and running.stderr is not None
+        running.stdout.close()
+        err = running.stderr.read()
+        assert running.wait(30) == 0 and err == ""
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
