@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import moderngl
@@ -14,6 +15,7 @@ from ..glsl.preprocess import Define
 from ..graph.draws import DrawScene
 from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, NORMAL, SHADING_NORMAL
 from ..scene.camera import Camera
+from ..scene.material import colors_at_vertices
 from ..scene.model import Mesh, Scene
 from ..scene.projection import Matrix, ViewConstants
 from .programs import GpuResources
@@ -58,8 +60,11 @@ class SceneBuffers:
         if draw.normals is not None:
             normals = draw.normals
             buffers["a_normal"] = (self._fill(count, 8, lambda s: _snorm16(normals[s])), "4i2")
-        if draw.vertex_colors is not None:
-            buffers["a_color"] = (self._buffer(np.ascontiguousarray(draw.vertex_colors)), "4f1")
+        color, vertex_colors = colors_at_vertices(draw)  # until textures are sampled where they belong
+        if draw.uv is not None:
+            draw = replace(draw, color=color, vertex_colors=vertex_colors, uv=None, material=None)
+        if vertex_colors is not None:
+            buffers["a_color"] = (self._buffer(np.ascontiguousarray(vertex_colors)), "4f1")
         return draw, buffers, self._buffer(np.ascontiguousarray(draw.triangles))
 
     def _buffer(self, data: NDArray[Any] | None = None, *, reserve: int = 0) -> moderngl.Buffer:

@@ -54,4 +54,5 @@ def add_mesh(digest: _Hash, mesh: Mesh, *, normals: bool, colors: bool) -> None:
     """Add the triangles of a mesh and where they are; on demand what shades them, and what colours them."""
     add_arrays(digest, (mesh.positions, mesh.triangles, mesh.transforms, mesh.normals if normals else None))
     if colors:
-        add_arrays(digest, (np.array(mesh.color), mesh.vertex_colors))
+        texture = None if mesh.material is None else mesh.material.base_color_texture
+        add_arrays(digest, (np.array(mesh.color), mesh.vertex_colors, mesh.uv, None if texture is None else texture.array))

@@ -14,8 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
+from .bounds import box_corners, core_bounds, mesh_bounds
 from .camera import Camera, look_at
+from .material import Material
+from .points import surfels
 from .projection import Size
+
+DEFAULT_COLOR = (0.8, 0.8, 0.8)
+"""sRGB, of what has no colour."""
 
 RADIUS_SHARE = 0.03
 """Automatic AO radius as a share of the diagonal of a scene's bounding box."""
@@ -26,19 +32,25 @@ class Mesh:
     """Triangles that are drawn once for each of their transforms.
 
     positions: (n, 3) float32, in scene units relative to ``transforms``. triangles: (m, 3) uint32. normals: (n, 3)
-    float32 of any length, or None for flat shading. color: sRGB (r, g, b) in 0..1, multiplied with vertex_colors:
-    (n, 4) uint8 sRGB, or None. transforms: (k, 4, 4) float64 model-to-world.
+    float32 of any length, or None for flat shading. color: sRGB (r, g, b) in 0..1; the colour of ``material`` where there is
+    one. It is multiplied with vertex_colors: (n, 4) uint8 sRGB with linear alpha, or None. transforms: (k, 4, 4)
+    float64 model-to-world. uv: (n, 2) float32 coordinates in the material's texture, or None; (0, 0) is the upper left
+    corner of the picture and v grows downwards, as in glTF.
     """
 
     positions: NDArray[np.float32]
     triangles: NDArray[np.uint32]
     normals: NDArray[np.float32] | None = None
-    color: tuple[float, float, float] = (0.8, 0.8, 0.8)
+    color: tuple[float, float, float] = DEFAULT_COLOR
     vertex_colors: NDArray[np.uint8] | None = None
     transforms: NDArray[np.float64] = field(default_factory=lambda: np.eye(4)[None])
     name: str = ""
+    uv: NDArray[np.float32] | None = None
+    material: Material | None = None
 
     def __post_init__(self) -> None:
+        if self.material is not None:
+            object.__setattr__(self, "color", self.material.color)
         where = f"mesh '{self.name}'" if self.name else "mesh"
         p, t = self.positions, self.triangles
         if p.ndim != 2 or p.shape[1] != 3 or t.ndim != 2 or t.shape[1] != 3:
@@ -49,30 +61,54 @@ class Mesh:
             raise SceneError(
                 f"{where}: {int((~np.isfinite(p)).any(1).sum())} vertices are not finite numbers (NaN or infinity)"
             )
-        for what, array, width in (("normals", self.normals, 3), ("vertex_colors", self.vertex_colors, 4)):
+        for what, array, width in (
+            ("normals", self.normals, 3), ("vertex_colors", self.vertex_colors, 4), ("uv", self.uv, 2)
+        ):  # fmt: skip
             if array is not None and array.shape != (len(p), width):
                 raise SceneError(f"{where}: {what} must be ({len(p)}, {width}), got {array.shape}")
         k = self.transforms
         if k.ndim != 3 or k.shape[1:] != (4, 4) or not np.isfinite(k).all():
             raise SceneError(f"{where}: transforms must be finite and (k, 4, 4), got {k.shape}")
 
+    @classmethod
+    def from_points(
+        cls,
+        positions: ArrayLike,
+        colors: ArrayLike | None = None,
+        radius: float | None = None,
+        *,
+        normals: ArrayLike | None = None,
+        name: str = "",
+    ) -> Mesh:
+        """Make a mesh of points, as :meth:`Scene.from_points` describes. Raises SceneError."""
+        made = surfels(positions, colors, radius, normals, f"points '{name}'" if name else "points")
+        place = np.eye(4)
+        place[:3, 3] = made.middle
+        return cls(
+            made.positions, made.triangles, made.normals, DEFAULT_COLOR if made.colors is None else (1.0, 1.0, 1.0),
+            made.colors, place[None], name,
+        )  # fmt: skip
+
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
-        """(2, 3) smallest and largest world coordinate over all instances (of the corners of the mesh's own box)."""
-        low, high = self.positions.min(0).astype(np.float64), self.positions.max(0).astype(np.float64)
-        box = np.array([[x, y, z, 1.0] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-        corners = np.einsum("kij,cj->kci", self.transforms[:, :3], box).reshape(-1, 3)
-        return np.stack([corners.min(0), corners.max(0)])
+        """(2, 3) smallest and largest world coordinate over all instances, of the vertices that triangles name."""
+        return mesh_bounds(self)
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Meshes and cameras in one world. ``up`` is the direction that automatic cameras take for upwards."""
+    """Meshes and cameras in one world. ``up`` is the direction that automatic cameras take for upwards.
+
+    background: sRGB (r, g, b, alpha) in 0..1 behind everything, where the source names one. warnings: what was dropped,
+    guessed or converted on the way here, a line each.
+    """
 
     meshes: Sequence[Mesh]
     cameras: Sequence[Camera] = ()
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     name: str = ""
+    background: tuple[float, float, float, float] | None = None
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not any(len(draw.triangles) and len(draw.transforms) for draw in self.meshes):
@@ -85,7 +121,7 @@ class Scene:
         triangles: ArrayLike,
         *,
         normals: ArrayLike | None = None,
-        color: tuple[float, float, float] = (0.8, 0.8, 0.8),
+        color: tuple[float, float, float] = DEFAULT_COLOR,
         up: tuple[float, float, float] = (0.0, 1.0, 0.0),
     ) -> Scene:
         """One mesh from arrays: positions (n, 3), triangles (m, 3), normals (n, 3) or None for flat shading."""
@@ -96,6 +132,24 @@ class Scene:
             color,
         )
         return cls([draw], up=up)
+
+    @classmethod
+    def from_points(
+        cls,
+        positions: ArrayLike,
+        colors: ArrayLike | None = None,
+        radius: float | None = None,
+        *,
+        normals: ArrayLike | None = None,
+        up: tuple[float, float, float] = (0.0, 1.0, 0.0),
+    ) -> Scene:
+        """Make a scene of points, drawn as small discs along the surface that they sample.
+
+        positions: (n, 3); those that are not finite are left out. colors: (n, 3 or 4), uint8 or floats in 0..1, sRGB.
+        radius: of each disc, scene units; None for one that closes the surface, from the distances between neighbours.
+        normals: (n, 3), or None for those of planes through neighbours. Raises SceneError.
+        """
+        return cls([Mesh.from_points(positions, colors, radius, normals=normals)], up=up)
 
     @classmethod
     def load(cls, path: Any, *, crease: float = math.radians(40), up: str = "auto") -> Scene:
@@ -119,8 +173,13 @@ class Scene:
 
     @property
     def extent(self) -> float:
-        """Length of the diagonal of the bounding box, scene units."""
+        """Length of the diagonal of ``bounds``, scene units."""
         return float(np.linalg.norm(self.bounds[1] - self.bounds[0]))
+
+    @cached_property
+    def core(self) -> NDArray[np.float64]:
+        """(2, 3) the box without strays: tiny things far from all the rest. Automatic cameras and radii are made for it."""
+        return core_bounds([draw for draw in self.meshes if len(draw.triangles) and len(draw.transforms)], self.bounds)
 
     @property
     def triangles(self) -> int:
@@ -129,25 +188,24 @@ class Scene:
 
     def default_radius(self) -> float:
         """Return an AO radius that suits objects seen whole."""
-        return RADIUS_SHARE * self.extent or 1.0
+        return RADIUS_SHARE * float(np.linalg.norm(self.core[1] - self.core[0])) or 1.0
 
     def default_camera(
         self, size: Size = (4, 3), *, azimuth: float = 0.6, elevation: float = 0.45, yfov: float = 0.7
     ) -> Camera:
-        """Return a perspective camera that shows the whole scene from the front, the side and above. Angles in radians."""
+        """Return a perspective camera that shows the scene, without strays, from the front, side and above. Angles in radians."""
         up = np.asarray(self.up, np.float64) / np.linalg.norm(self.up)
         side = np.cross(up, [0, 0, 1] if abs(up[2]) < 0.9 else [0, -1, 0])
         side /= np.linalg.norm(side)
         front = np.cross(side, up)
         level = math.cos(azimuth) * front + math.sin(azimuth) * side
         direction = math.cos(elevation) * level + math.sin(elevation) * up
-        center = self.bounds.mean(0)
-        half = max(self.extent / 2, 1e-30)
+        low, high = self.core
+        center = self.core.mean(0)
+        half = max(float(np.linalg.norm(high - low)) / 2, 1e-30)
         pose = look_at(direction, (0, 0, 0), up)  # about the origin: far from it, a unit is less than a float can tell
         # The distance at which every corner of the box is inside the frustum.
-        low, high = self.bounds
-        corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
-        local = (corners - center) @ pose[:3, :3]
+        local = (box_corners(low, high) - center) @ pose[:3, :3]
         tan_y = math.tan(yfov / 2)
         tan = np.array([tan_y * size[0] / size[1], tan_y])
         distance = float((np.abs(local[:, :2]) / tan + local[:, 2:]).max()) * 1.05 + 1e-3 * half

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ssao_gl.errors import FormatError
-from ssao_gl.io.srgb import decode, encode, encoded_rgb, multiply
+from ssao_gl.io.srgb import multiply
+from ssao_gl.scene.srgb import decode, encode, encoded_rgb
 
 
 @given(st.floats(0, 1))
