@@ -12,7 +12,9 @@ from typing import Any, BinaryIO
 
 from ..errors import SceneError
 
-ARCHIVES = ("zip", "tar.gz", "tar.bz2", "bz2")
+ARCHIVES = ("zip", "tar.gz", "tar.bz2", "bz2", "gz")
+SINGLE = ("bz2", "gz")
+"""Packings of one file."""
 FREE, RATIO = 8 << 20, 32
 """An archive may unpack to 8 MiB, or to 32 times its size if that is more: text packs to a tenth, bombs to a thousandth."""
 MAX_ENTRIES = 20_000
@@ -26,11 +28,11 @@ def unpack(file: BinaryIO, kind: str, size: int, name: str) -> Files:
     """Name -> content of every file in an archive of ``size`` bytes, ``name`` being its own. Raises SceneError."""
     if kind == "zip":
         return unzip(file, size)
-    opener: Any = gzip.open if kind == "tar.gz" else bz2.open
+    opener: Any = gzip.open if kind in ("tar.gz", "gz") else bz2.open
     with opener(file, "rb") as stream:
         data = stream.read(_budget(size) + 1)
     _check_budget(len(data), size)
-    return {PurePosixPath(name).stem: data} if kind == "bz2" else _untar(data, size)
+    return {PurePosixPath(name).stem: data} if kind in SINGLE else _untar(data, size)
 
 
 def unzip(file: BinaryIO, size: int) -> Files:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import SceneError, SettingsError
 from ..scene.camera import Camera
 from ..scene.model import Scene
@@ -14,9 +16,11 @@ from .load import load_scene
 
 
 def as_scene(source: Any) -> Scene:
-    """A scene from a path, a ``trimesh.Trimesh`` or ``Scene``, a ``pyrender.Scene``, or itself. Raises SceneError."""
+    """A scene from a path, a ``trimesh.Trimesh`` or ``Scene``, a ``pyrender.Scene``, points (n, 3), or itself. Raises SceneError."""
     if isinstance(source, Scene):
         return source
+    if isinstance(source, np.ndarray) and type(source).__module__ == "numpy":
+        return Scene.from_points(source)
     if isinstance(source, str | Path):
         return load_scene(source)
     if pyrender_scenes.is_pyrender_scene(source):
@@ -26,7 +30,7 @@ def as_scene(source: Any) -> Scene:
 
         return from_trimesh(source)
     raise SceneError(
-        f"cannot draw a {type(source).__name__}; expected a path, Scene, trimesh.Trimesh, trimesh.Scene or pyrender.Scene"
+        f"cannot draw a {type(source).__name__}; expected a path, Scene, trimesh.Trimesh, trimesh.Scene, pyrender.Scene or points (n, 3)"
     )
 
 

@@ -1,193 +1,106 @@
-"""glTF files, read before trimesh gets them: sizes are checked, nodes flattened, all that is not drawn left out.
+"""glTF 2.0 files: what is drawn of them, as meshes and cameras. Parts that are not drawn are never unpacked.
 
-trimesh believes the counts of a file, and unpacks whatever is in it.
+Specification: https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html.
 """
 
 from __future__ import annotations
 
-import importlib.util
-import io
-import json
-import struct
-from collections.abc import Callable, Mapping
-from typing import Any, BinaryIO
+import dataclasses
+from collections import Counter
+from typing import Any
+
+import numpy as np
 
 from ..errors import SceneError
 from ..scene.camera import Camera
-from .gltf_nodes import Tree, flatten, index
-from .gltf_prune import DRACO, drawn
+from ..scene.model import Mesh
+from ..scene.projection import Matrix
+from .gltf_animation import pose
+from .gltf_document import Document, Tree, index, open_glb, open_gltf
+from .gltf_extensions import check_extensions
+from .gltf_materials import Materials
+from .gltf_nodes import Placed, flatten
+from .gltf_primitives import MODES, POINTS, primitive_data
+from .mesh_building import MeshData, build_mesh
+from .read_options import ReadOptions
 
-SizeOf = Callable[[str], int]
-"""Bytes of a file that a scene names. Raises SceneError when it is not there."""
-
-FREE, RATIO = 64 << 20, 16
-"""A file may unpack to ``FREE`` bytes, or to ``RATIO`` times its size if that is more: many accessors may share bytes."""
-SPARE = 1 << 20
-"""Bytes that a buffer's file may have beyond those that are announced."""
-MAX_VALUES = 4_000_000
-"""Values in the JSON part: lists of nothing take thirty times their text in memory."""
-
-COMPONENTS = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
-ITEMS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-UNSUPPORTED = ("EXT_meshopt_compression", "KHR_meshopt_compression", "EXT_mesh_gpu_instancing")
-
-
-def open_glb(file: BinaryIO, size: int, size_of: SizeOf) -> tuple[BinaryIO, list[Camera]]:
-    """``file`` as trimesh should see it, and its cameras. Raises SceneError."""
-    head = file.read(20)
-    if len(head) < 20 or head[:4] != b"glTF":
-        raise SceneError("does not begin as a GLB file does ('glTF'); is it truncated, or misnamed?")
-    version, total, length = struct.unpack("<III", head[4:16])
-    if version != 2:
-        raise SceneError(f"is glTF {version}; only version 2 can be read")
-    if total > size or 20 + length > size:
-        raise SceneError(f"announces {max(total, 20 + length)} bytes, but has {size}; it is truncated")
-    if head[16:20] != b"JSON":
-        raise SceneError("has no JSON part where a GLB file must have it; it is broken")
-    tree = _parse(file.read(length))
-    binary = _binary_size(file, size)
-    tree, cameras = prepare(tree, size, size_of, binary)
-    text = json.dumps(tree, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    head = struct.pack("<4sIII4s", b"glTF", 2, total - length + len(text), len(text), b"JSON")
-    return _Spliced(head + text, file, size), cameras  # type: ignore[return-value]
+OPEN = {"glb": open_glb, "gltf": open_gltf}
+MAX_PRIMITIVES = 10_000
+MAX_PLACED = 100_000
+"""Primitives at all their nodes."""
 
 
-def open_gltf(file: BinaryIO, size: int, size_of: SizeOf) -> tuple[BinaryIO, list[Camera]]:
-    """Likewise for the text form."""
-    tree = _parse(file.read())
-    tree, cameras = prepare(tree, size, size_of, 0)
-    return io.BytesIO(json.dumps(tree).encode()), cameras
-
-
-def prepare(tree: Tree, size: int, size_of: SizeOf, binary: int) -> tuple[Tree, list[Camera]]:
-    """What of ``tree`` is drawn, checked, its nodes flattened; and the cameras. ``binary``: bytes of a GLB's own buffer."""
+def read_gltf(document: Document, options: ReadOptions) -> tuple[list[Mesh], list[Camera]]:
+    """Meshes and cameras of a document. Raises SceneError."""
     try:
-        _check_extensions(tree)
-        placed, cameras = flatten(tree)
-        tree = drawn(tree, placed)
-        _check_sizes(tree, size, size_of, binary)
-        return tree, cameras
+        check_extensions(document)
+        if options.animation is not None:
+            pose(document, options.animation, options.time)
+        placed, cameras, worlds = flatten(document)
+        return _meshes(document, placed, worlds, options), cameras
     except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise SceneError(f"its glTF structure is broken ({type(error).__name__}: {error})") from error
 
 
-def _parse(text: bytes) -> Tree:
-    if text.count(b",") + text.count(b"[") + text.count(b"{") > MAX_VALUES:
-        raise SceneError(f"its JSON part has more than {MAX_VALUES} values; it is broken")
-    try:
-        tree = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise SceneError(f"its JSON part cannot be read ({error})") from None
-    if not isinstance(tree, dict):
-        raise SceneError("its JSON part is not an object")
-    return tree
+def _meshes(document: Document, placed: list[Placed], worlds: dict[int, Matrix], options: ReadOptions) -> list[Mesh]:
+    """A mesh for each primitive in each shape that it takes; nodes that show the same become instances."""
+    shapes = _shapes(document, placed)
+    materials = Materials(document)
+    made: list[Mesh] = []
+    names: Counter[str] = Counter()
+    for (mesh, number, *_), nodes in shapes.items():
+        entry = document.entry("meshes", mesh)
+        primitive = entry["primitives"][number]
+        node = nodes[0].node
+        weights = [float(weight) for weight in node.get("weights") or entry.get("weights") or []]
+        skin = document.entry("skins", node["skin"]) if "skin" in node and _has_joints(primitive) else None
+        data = primitive_data(document, materials, primitive, weights, skin, worlds)
+        name = str(entry.get("name") or node.get("name") or f"mesh {mesh}")[:200]
+        names[name] += 1
+        name = name if names[name] == 1 else f"{name}_{names[name] - 1}"
+        transforms = np.eye(4)[None] if skin is not None else np.concatenate([each.transforms for each in nodes])
+        if primitive.get("mode") == POINTS:
+            made += [_points(data, transform, name, options) for transform in transforms if len(data.vertices)]
+        elif len(data.faces) and len(transforms):
+            made.append(build_mesh(data, transforms, name, options.crease))
+    if not made:
+        lines = any(mesh["primitives"] for mesh in document.tree.get("meshes", []))
+        raise SceneError("holds no triangles" + (", only lines or what has no size" if lines else ""))
+    return made
 
 
-def _binary_size(file: BinaryIO, size: int) -> int:
-    """Bytes of the binary chunk that starts here; 0 when there is none."""
-    start = file.tell()
-    head = file.read(8)
-    file.seek(start)
-    if len(head) < 8:
-        return 0
-    length: int = struct.unpack("<I", head[:4])[0]
-    if start + 8 + length > size:
-        raise SceneError(f"announces {length} bytes of binary data, but {size - start - 8} are there; it is truncated")
-    return length
+def _shapes(document: Document, placed: list[Placed]) -> dict[tuple[Any, ...], list[Placed]]:
+    """(mesh, primitive, weights and skin where it has some) -> where it stands."""
+    shapes: dict[tuple[Any, ...], list[Placed]] = {}
+    total, dropped = 0, 0
+    for each in reversed(placed):  # as before version 0.2: truth that was stored then is still found
+        primitives = document.entry("meshes", each.mesh)["primitives"]
+        moving = tuple(each.node["weights"]) if "weights" in each.node else None
+        for number, primitive in reversed(list(enumerate(primitives))):
+            if primitive.get("mode", 4) not in MODES:
+                dropped += 1
+                continue
+            skin = (index(each.node["skin"]),) if "skin" in each.node and _has_joints(primitive) else ()
+            shapes.setdefault((each.mesh, number, moving, skin), []).append(each)
+            total += 1
+            if len(shapes) > MAX_PRIMITIVES or total > MAX_PLACED:
+                raise SceneError(
+                    f"draws more than {MAX_PRIMITIVES} primitives, or {MAX_PLACED} instances of them, which is too much; merge them"
+                )
+    if dropped and shapes:
+        document.notes.add("drawn without its lines")
+    return shapes
 
 
-def _check_extensions(tree: Tree) -> None:
-    required = tree.get("extensionsRequired", [])
-    for name in UNSUPPORTED:
-        if name in required:
-            raise SceneError(f"needs the glTF extension {name}, which cannot be read; export it without")
-    if DRACO in required:
-        _need_draco()
+def _has_joints(primitive: Tree) -> bool:
+    return "JOINTS_0" in primitive["attributes"]
 
 
-def _need_draco() -> None:
-    if importlib.util.find_spec("DracoPy") is None:
-        raise SceneError("is compressed with Draco; pip install DracoPy, or export it without")
-
-
-def _check_sizes(tree: Tree, size: int, size_of: SizeOf, binary: int) -> None:
-    """Every buffer, view and accessor must lie within the one before, and all together within bounds."""
-    buffers: list[int] = []
-    beside: dict[str, int] = {}
-    for number, buffer in enumerate(tree["buffers"]):
-        uri, length = buffer.get("uri"), int(buffer["byteLength"])
-        if uri is None:
-            there = binary
-        elif uri.startswith("data:"):
-            there = len(uri) * 3 // 4
-        else:
-            there = beside[uri] = size_of(uri)
-            if there > length + SPARE:
-                raise SceneError(f"buffer {number} announces {length} bytes, but its file has {there}; it is another's")
-        if not 0 <= length <= there:
-            raise SceneError(f"buffer {number} announces {length} bytes, but {there} are there; it is truncated or broken")
-        buffers.append(length)
-    held = size + sum(beside.values())
-    views = [(v, int(v.get("byteOffset", 0)), int(v["byteLength"])) for v in tree["bufferViews"]]
-    for number, (view, offset, length) in enumerate(views):
-        _fits(f"buffer view {number}", offset, length, f"buffer {view['buffer']}", buffers[index(view["buffer"])])
-    unpacked = sum(length for _, _, length in views)
-    for number, accessor in enumerate(tree["accessors"]):
-        count, item = int(accessor["count"]), COMPONENTS[accessor["componentType"]] * ITEMS[accessor["type"]]
-        unpacked += max(count, 0) * item
-        if "bufferView" in accessor:
-            view, _, room = views[index(accessor["bufferView"])]
-            stride = int(view.get("byteStride", item))
-            reach = max(count - 1, 0) * stride + item if count else 0
-            where = f"buffer view {accessor['bufferView']}"
-            _fits(f"accessor {number}", int(accessor.get("byteOffset", 0)), reach, where, room)
-    unpacked += sum(_check_primitive(p, tree["accessors"]) for mesh in tree["meshes"] for p in mesh["primitives"])
-    if unpacked > max(FREE, RATIO * held):
-        raise SceneError(f"unpacks to {unpacked >> 20} MiB, far more than its {held >> 10} KiB can hold; it is broken")
-
-
-def _check_primitive(primitive: Mapping[str, Any], accessors: list[Any]) -> int:
-    """Bytes that trimesh will need for a primitive; whether it can read its accessors."""
-    attributes = primitive["attributes"]
-    wanted = {name: attributes[name] for name in ("POSITION", "NORMAL") if name in attributes}
-    if "indices" in primitive:
-        wanted["indices"] = primitive["indices"]
-    for name, number in wanted.items():
-        accessor = accessors[index(number)]
-        if "sparse" in accessor:
-            raise SceneError(f"accessor {number} ({name}) is sparse, which cannot be read; export without sparse accessors")
-        if "bufferView" not in accessor:
-            if DRACO not in primitive.get("extensions", {}):
-                raise SceneError(f"accessor {number} ({name}) has no data")
-            _need_draco()
-    return sum(8 * int(accessors[n]["count"]) * (1 if name == "indices" else 3) for name, n in wanted.items())
-
-
-def _fits(what: str, offset: int, length: int, where: str, room: int) -> None:
-    if offset < 0 or length < 0 or offset + length > room:
-        raise SceneError(f"{what} reaches byte {offset + length} of {where}, which has {room}; it is truncated or broken")
-
-
-class _Spliced(io.RawIOBase):
-    """Some bytes, then the rest of a file, so that a large binary part is not copied to change the text before it."""
-
-    def __init__(self, head: bytes, rest: BinaryIO, size: int) -> None:
-        self._head, self._rest, self._at = head, rest, 0
-        self._size = len(head) + size - rest.tell()
-
-    def readable(self) -> bool:
-        return True
-
-    def tell(self) -> int:
-        return self._at
-
-    def read(self, size: int = -1) -> bytes:
-        # No more than there is: a file object takes the memory that it is asked for before it looks.
-        left = self._size - self._at
-        size = min(size, left) if size >= 0 else left
-        part = self._head[self._at : self._at + size]
-        if len(part) < size:
-            part += self._rest.read(size - len(part))
-        self._at += len(part)
-        return part
+def _points(data: MeshData, transform: Matrix, name: str, options: ReadOptions) -> Mesh:
+    """Points in the world, so that their size is meant there too."""
+    world = data.vertices.astype(np.float64) @ transform[:3, :3].T + transform[:3, 3]
+    normals = None if data.normals is None else data.normals @ np.linalg.pinv(transform[:3, :3])
+    mesh = Mesh.from_points(world, data.colors, options.point_radius, normals=normals, name=name)
+    if data.material is None:
+        return mesh
+    return dataclasses.replace(mesh, material=data.material)

@@ -12,6 +12,7 @@ from typing import BinaryIO
 
 from ..errors import SceneError
 from .ply_polygons import TYPES, triangulated
+from .ply_spelling import respelled, unstripped
 
 MAX_HEADER = 1 << 20
 MAX_PROPERTIES = 1000
@@ -29,7 +30,7 @@ SIGNATURES: tuple[tuple[bytes, str, frozenset[str]], ...] = (
     (b"<!DOCTYPE html", "a web page", frozenset()),
     (b"<html", "a web page", frozenset()),
     (b"version https://git-lfs", "a Git LFS pointer (git lfs pull fetches the file)", frozenset()),
-    (b"\x1f\x8b", "packed by gzip", frozenset({"tar.gz"})),
+    (b"\x1f\x8b", "packed by gzip", frozenset({"tar.gz", "gz"})),
     (b"PK\x03\x04", "a ZIP archive", frozenset({"zip", "3mf", "zae"})),
     (b"glTF", "a GLB file", frozenset({"glb"})),
     (b"ply\n", "a PLY file", frozenset({"ply"})),
@@ -68,6 +69,8 @@ def check_obj(file: BinaryIO, size: int) -> BinaryIO:
         raise SceneError(f"has {len(materials)} materials; at most {MAX_MATERIALS} can be read in sensible time")
     if ZERO.search(text):
         raise SceneError("has a face with index 0; OBJ files count from 1 (or back from -1)")
+    if re.search(rb"(?m)^ *l ", text) and not re.search(rb"(?m)^ *[fp] ", text):
+        raise SceneError("holds no triangles, only lines")
     return io.BytesIO(_absolute(text) if RELATIVE.search(text) else text)
 
 
@@ -132,7 +135,15 @@ def check_ply(file: BinaryIO, size: int) -> BinaryIO:
             raise SceneError(f"announces {count} of '{name}', more than its {left} bytes can hold; it is truncated or broken")
     if properties > MAX_PROPERTIES:
         raise SceneError(f"has {properties} properties; at most {MAX_PROPERTIES} can be read in sensible time")
-    return file if text else triangulated(file, head[: size - left], size)
+    header = head[: size - left]
+    spelled = respelled(header)
+    if spelled != header:
+        file.seek(len(header))
+        file, size, header = io.BytesIO(spelled + file.read()), size + len(spelled) - len(header), spelled
+    if b"element tristrips" in header:
+        return unstripped(file, header)
+    file.seek(0)
+    return file if text else triangulated(file, header, size)
 
 
 CHECKS: Mapping[str, Callable[[BinaryIO, int], BinaryIO]] = {

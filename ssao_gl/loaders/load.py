@@ -1,18 +1,98 @@
-"""Scene files, read by their format."""
+"""Scene files, read by their format; whatever goes wrong is one line."""
 
 from __future__ import annotations
 
+import gc
+import logging
 import math
+import warnings
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from ..errors import SceneError, one_line
+from ..io.atomic import why_unreadable
 from ..scene.model import Scene
-from .trimesh_scenes import load_mesh_file
+from .finished import finished
+from .notes import Notes
+from .read_options import ReadOptions
+
+Z_UP = frozenset({"stl", "stl_ascii", "3mf", "ply", "off", "xyz"})
+"""Formats in which z is usually up; in all others y is. It only turns automatic views."""
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+LARGE = 10**5
+"""Triangles from which memory is given back at once."""
 
 
-def load_scene(path: Path | str, *, crease: float = math.radians(40), up: str = "auto") -> Scene:
-    """Read a mesh or scene file of any format that trimesh knows.
+def load_scene(
+    path: Path | str,
+    *,
+    crease: float = math.radians(40),
+    up: str = "auto",
+    animation: str | None = None,
+    time: float = 0.0,
+    point_size: float | None = None,
+) -> Scene:
+    """Read a mesh or scene file (GLB, glTF, OBJ, PLY, STL, OFF ...). Nothing outside its folder is read, nothing is fetched.
 
-    crease: meshes without normals stay sharp at edges with a larger angle, radians; 0 shades flat. up: which axis of the file
-    points upwards for automatic cameras, x, y, z or auto. Raises SceneError for files that cannot be read or drawn.
+    crease: faces of meshes without normals that meet at more than this angle (radians) keep a sharp edge; 0 shades flat.
+    up: which axis of the file points upwards for automatic cameras, x, y, z, or auto by format. animation, time: an animation
+    of a glTF file by name or number, and a moment of it in seconds; None for the file's rest pose. point_size: diameter of
+    points in scene units, None for one that closes their surface. What is dropped or guessed is logged once, and kept in
+    ``Scene.warnings``. Raises SceneError, in one line, for anything that cannot be read or drawn.
     """
-    return load_mesh_file(path, crease=crease, up=up)
+    path, notes = Path(path), Notes()
+    if reason := why_unreadable(path):
+        raise SceneError(f"{path}: {reason}; expected a scene file")
+    try:
+        with _quiet():
+            scene = _read(path, up, ReadOptions(crease=crease, animation=animation, time=time, point_size=point_size), notes)
+    except SceneError as error:
+        raise SceneError(f"{path}: {one_line(error, 500)}") from error
+    except (KeyboardInterrupt, SystemExit):
+        raise
+    except MemoryError as error:
+        raise SceneError(f"{path}: needs more memory than there is") from error
+    except BaseException as error:  # the readers raise whatever a broken file leads them into
+        brief = one_line(error, 200) or "its data contradict each other"
+        raise SceneError(
+            f"{path}: not a readable mesh file ({type(error).__name__}: {brief}); is it truncated or broken?"
+        ) from error
+    notes.say(path)
+    if scene.triangles > LARGE:
+        gc.collect()  # meshes of trimesh refer to themselves, and would stay beside what is uploaded now
+    return scene
+
+
+def _read(path: Path, up: str, options: ReadOptions, notes: Notes) -> Scene:
+    from . import mesh_files
+
+    loaded = mesh_files.read(path, options, notes)
+    return finished(loaded.meshes, loaded.cameras, _up(up, loaded.kind), path.name, notes)
+
+
+def _up(up: str, kind: str) -> tuple[float, float, float]:
+    if up == "auto":
+        return AXES["z" if kind in Z_UP else "y"]
+    if up not in AXES:
+        raise SceneError(f"up axis '{up}'; must be x, y, z or auto")
+    return AXES[up]
+
+
+class _quiet(warnings.catch_warnings):
+    """Silence what trimesh and numpy log while they read a broken file: the error says it."""
+
+    def __enter__(self) -> Any:
+        entered = super().__enter__()
+        warnings.simplefilter("ignore")
+        self._logger = logging.getLogger("trimesh")
+        self._level = self._logger.level
+        self._logger.setLevel(logging.CRITICAL + 1)
+        self._errors = np.seterr(all="ignore")
+        return entered
+
+    def __exit__(self, *exception: Any) -> None:
+        np.seterr(**self._errors)
+        self._logger.setLevel(self._level)
+        super().__exit__(*exception)

@@ -1,43 +1,47 @@
-"""Mesh files handed to trimesh with care: what a header claims is checked first, and nothing beside the file's folder is read."""
+"""Mesh files by format: what a header claims is checked first, and nothing beside the file's folder is read."""
 
 from __future__ import annotations
 
 import io
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path, PurePosixPath
 from typing import BinaryIO
 
+import numpy as np
 import trimesh
 from trimesh.exchange.load import mesh_formats
-from trimesh.scene.scene import append_scenes
 
 from ..errors import SceneError, near_miss
 from ..scene.camera import Camera
-from .archives import ARCHIVES, rezip, unpack, unzip
-from .gltf import open_glb, open_gltf
+from ..scene.model import Mesh
+from .archives import ARCHIVES, SINGLE, rezip, unpack, unzip
+from .gltf import OPEN, read_gltf
 from .header_checks import CHECKS, check_signature
-from .resolver import FolderResolver, in_archive, in_folder
+from .mtl_lines import without_options
+from .notes import Notes
+from .read_options import ReadOptions
+from .resolver import Fetch, FolderResolver, in_archive, in_folder
+from .stl_colors import face_colors
+from .trimesh_scenes import meshes_of
 from .xml_checks import check_3mf, check_dae
 
 GUARDED = ("glb", "gltf", "obj", "ply", "stl", "stl_ascii", "off", "xyz", "3mf", "dae", "zae")
 """Formats whose files are checked here first. trimesh has readers for more, which a broken file may crash or keep busy."""
 NEEDS = {"3mf": "lxml", "dae": "pycollada", "zae": "pycollada"}
 """Packages without which trimesh has no reader for a format."""
-GLTF = {"glb": open_glb, "gltf": open_gltf}
 MAX_MEMBERS = 1000
 """Meshes in an archive."""
 
 
 @dataclass(frozen=True)
 class Loaded:
-    """What a file holds: trimesh's scene, the cameras, the format that was read (of an archive's first mesh)."""
+    """What a file holds: meshes, cameras, the format that was read (of an archive's first mesh)."""
 
-    scene: trimesh.Scene
+    meshes: list[Mesh]
     kind: str
     cameras: list[Camera] = field(default_factory=list)
-    missing: list[str] = field(default_factory=list)
-    """Files that the scene names and that could not be used: outside its folder, remote, or not there."""
 
 
 def formats() -> list[str]:
@@ -52,16 +56,19 @@ def kind_of(name: str) -> str:
     return both if both in ARCHIVES else (suffixes or [""])[-1]
 
 
-def read(path: Path) -> Loaded:
+def read(path: Path, options: ReadOptions, notes: Notes) -> Loaded:
     """Read a mesh file or an archive of some. Raises SceneError, and whatever else trimesh is led into."""
     kind, size = kind_of(path.name), path.stat().st_size
     _check_known(kind)
     with path.open("rb") as file:
         if kind not in ARCHIVES:
-            return _read(file, kind, size, size, FolderResolver(in_folder(path.parent)))
+            return _Reader(options, notes, size).read(file, kind, size, FolderResolver(in_folder(path.parent)))
         check_signature(file.read(64), kind)
         file.seek(0)
-        return _read_archive(unpack(file, kind, size, path.name), size)
+        files = unpack(file, kind, size, path.name)
+        # What is packed by itself still has its pictures and materials beside it.
+        fetch = in_folder(path.parent) if kind in SINGLE else None
+        return _Reader(options, notes, size).archive(files, fetch)
 
 
 def _check_known(kind: str) -> None:
@@ -76,49 +83,77 @@ def _check_known(kind: str) -> None:
     raise SceneError(f"unknown mesh format '.{kind}'; can be read: {', '.join(formats())}.{near_miss(kind, formats())}")
 
 
-def _read(file: BinaryIO, kind: str, size: int, packed: int, beside: FolderResolver) -> Loaded:
-    """``packed``: bytes of the file on disk, which says how much may come out of an archive in an archive."""
-    head = file.read(64)
-    file.seek(0)
-    check_signature(head, kind)
-    cameras: list[Camera] = []
-    if kind in GLTF:
-        file, cameras = GLTF[kind](file, size, beside.size)
-    elif kind in CHECKS:
-        file = CHECKS[kind](file, size)
-    elif kind == "dae":
-        file = io.BytesIO(check_dae(file.read()))
-    else:
-        files = unzip(file, packed)
-        (check_3mf if kind == "3mf" else _check_zae)(files)
-        file = rezip(files)
-    # Unprocessed: trimesh would hide indices below 0, drop triangles with NaN, and weld whatever is closer than 1e-8 units.
-    loaded = trimesh.load_scene(file, file_type=kind, resolver=beside, allow_remote=False, process=False)
-    return Loaded(loaded, kind, cameras, beside.missing)
+@dataclass(frozen=True)
+class _Reader:
+    """packed: bytes of the file on disk, which says how much may come out of an archive in an archive."""
+
+    options: ReadOptions
+    notes: Notes
+    packed: int
+
+    def read(self, file: BinaryIO, kind: str, size: int, beside: FolderResolver) -> Loaded:
+        """One mesh file."""
+        head = file.read(64)
+        file.seek(0)
+        check_signature(head, kind)
+        if kind in OPEN:
+            document = OPEN[kind](file, size, beside)
+            document.notes = self.notes
+            meshes, cameras = read_gltf(document, self.options)
+            loaded = Loaded(meshes, kind, cameras)
+        elif self.options.animation is not None:
+            raise SceneError(f"has no animations, as no .{kind} file has; leave out '{self.options.animation}'")
+        else:
+            loaded = Loaded(self._by_trimesh(file, kind, size, beside), kind)
+        for name in dict.fromkeys(beside.missing):
+            self.notes.add(f"drawn without '{name}', which is not in its folder")
+        return loaded
+
+    def _by_trimesh(self, file: BinaryIO, kind: str, size: int, beside: FolderResolver) -> list[Mesh]:
+        beside.edit = partial(without_options, notes=self.notes)
+        header = file.read(80)
+        file.seek(0)
+        if kind in CHECKS:
+            file = CHECKS[kind](file, size)
+        elif kind == "dae":
+            file = io.BytesIO(check_dae(file.read()))
+        else:
+            files = unzip(file, self.packed)
+            (check_3mf if kind == "3mf" else _check_zae)(files)
+            file = rezip(files)
+        # Unprocessed: trimesh would hide indices below 0, drop triangles with NaN, and weld whatever is closer than 1e-8 units.
+        scene = trimesh.load_scene(file, file_type=kind, resolver=beside, allow_remote=False, process=False)
+        if kind == "stl":
+            for mesh in scene.geometry.values():
+                words = mesh.face_attributes.get("stl") if isinstance(mesh, trimesh.Trimesh) else None
+                colors = None if words is None else face_colors(header, np.asarray(words, np.uint16))
+                if colors is not None:
+                    mesh.visual.face_colors = colors
+        return meshes_of(scene, self.options, self.notes, soup=True)
+
+    def archive(self, files: Mapping[str, bytes], fetch: Fetch | None = None) -> Loaded:
+        """All meshes of an archive in one scene; ``fetch`` finds what they name, None: in the archive."""
+        known = set(formats()) - set(ARCHIVES)
+        names = [
+            n
+            for n in files
+            if kind_of(n) in known and not n.startswith("__MACOSX/") and not n.rsplit("/", 1)[-1].startswith(".")
+        ]
+        if not names or len(names) > MAX_MEMBERS:
+            raise SceneError(f"holds {len(names)} mesh files; expected 1 to {MAX_MEMBERS}")
+        parts = []
+        for name in names:
+            beside = FolderResolver(fetch or in_archive(files, PurePosixPath(name).parent))
+            try:
+                parts.append(self.read(io.BytesIO(files[name]), kind_of(name), len(files[name]), beside))
+            except SceneError as error:
+                raise SceneError(f"{name}: {error}") from None
+        return Loaded(
+            [mesh for part in parts for mesh in part.meshes], parts[0].kind, [c for part in parts for c in part.cameras]
+        )
 
 
 def _check_zae(files: Mapping[str, bytes]) -> None:
     for name, content in files.items():
         if name.lower().endswith(".dae"):
             check_dae(content)
-
-
-def _read_archive(files: Mapping[str, bytes], packed: int) -> Loaded:
-    """All meshes of an archive in one scene."""
-    known = set(formats()) - set(ARCHIVES)
-    names = [
-        n for n in files if kind_of(n) in known and not n.startswith("__MACOSX/") and not n.rsplit("/", 1)[-1].startswith(".")
-    ]
-    if not names or len(names) > MAX_MEMBERS:
-        raise SceneError(f"holds {len(names)} mesh files; expected 1 to {MAX_MEMBERS}")
-    parts = []
-    for name in names:
-        beside = FolderResolver(in_archive(files, PurePosixPath(name).parent))
-        try:
-            parts.append(_read(io.BytesIO(files[name]), kind_of(name), len(files[name]), packed, beside))
-        except SceneError as error:
-            raise SceneError(f"{name}: {error}") from None
-    scene = parts[0].scene if len(parts) == 1 else append_scenes([part.scene for part in parts])  # type: ignore[no-untyped-call]
-    return Loaded(
-        scene, parts[0].kind, [c for part in parts for c in part.cameras], [m for part in parts for m in part.missing]
-    )

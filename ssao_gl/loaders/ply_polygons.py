@@ -56,19 +56,13 @@ def triangulated(file: BinaryIO, header: bytes, length: int) -> BinaryIO:
 
     Raises SceneError for a torn file.
     """
-    lines = [line.split() for line in header.decode("utf-8", "replace").splitlines()]
-    order: Order = "big" if ["format", "binary_big_endian"] in (words[:2] for words in lines) else "little"
-    elements: list[PlyElement] = []
-    for words in lines:
-        if words[:1] == ["element"]:
-            elements.append(PlyElement(words[1], int(words[2])))
-        elif words[:1] == ["property"] and elements:
-            elements[-1].properties.append(words)
+    order: Order = "big" if b"binary_big_endian" in header else "little"
+    elements = elements_of(header)
     layout = _layout(elements, order)
     if layout is None:
         return file
     vertices, faces = elements[:2]
-    start = len(header) + vertices.count * _size(vertices.properties)
+    start = len(header) + vertices.count * size_of(vertices.properties)
     try:
         if _alike(file, start, length, faces.count, layout, order):
             return file
@@ -89,6 +83,17 @@ def triangulated(file: BinaryIO, header: bytes, length: int) -> BinaryIO:
     return io.BytesIO("\n".join(head).encode() + data[len(header) : start] + records.tobytes())
 
 
+def elements_of(header: bytes) -> list[PlyElement]:
+    """Return what a header announces, in order."""
+    elements: list[PlyElement] = []
+    for words in (line.split() for line in header.decode("utf-8", "replace").splitlines()):
+        if words[:1] == ["element"]:
+            elements.append(PlyElement(words[1], int(words[2])))
+        elif words[:1] == ["property"] and elements:
+            elements[-1].properties.append(words)
+    return elements
+
+
 def _layout(elements: Sequence[PlyElement], order: Order) -> Faces | None:
     """None where it is not vertices of plain numbers and then faces with one list, as trimesh expects too."""
     if [element.name for element in elements[:2]] != ["vertex", "face"] or not elements[1].count:
@@ -98,11 +103,11 @@ def _layout(elements: Sequence[PlyElement], order: Order) -> Faces | None:
         return None
     properties, at = elements[1].properties, lists[0]
     number, corner = (np.dtype(SIGNS[order] + TYPES[name]) for name in properties[at][2:4])
-    return Faces(_size(properties[:at]), number.itemsize, corner, _size(properties[at + 1 :]))
+    return Faces(size_of(properties[:at]), number.itemsize, corner, size_of(properties[at + 1 :]))
 
 
-def _size(properties: Sequence[list[str]]) -> int:
-    """Bytes of properties none of which is a list."""
+def size_of(properties: Sequence[list[str]]) -> int:
+    """Return the bytes of properties none of which is a list."""
     return sum(np.dtype(TYPES[words[1]]).itemsize for words in properties)
 
 

@@ -5,6 +5,7 @@ Only what all distributions of pyrender share is used; ``Scene.bounds`` and ``Sc
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,14 +13,18 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..scene.camera import Camera, Pinhole
-from ..scene.model import Mesh, Scene
+from ..scene.model import DEFAULT_COLOR, Mesh, Scene
 from ..scene.projection import Matrix, Size
-from .trimesh_scenes import _encode
+from .finished import finished
+from .mesh_building import linear_colors
+from .notes import Notes
+from .pyrender_materials import PyrenderLooks
+from .strips import fan_triangles, strip_triangles
 
 if TYPE_CHECKING:
     import pyrender
 
-TRIANGLES = 4
+POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 
 
 class PyrenderLens:
@@ -41,17 +46,34 @@ def is_pyrender_scene(thing: object) -> bool:
     return any(kind.__name__ == "Scene" and kind.__module__.split(".")[0] == "pyrender" for kind in kinds)
 
 
-def from_pyrender(scene: pyrender.Scene) -> Scene:
-    """Meshes, poses, instances, colours and the main camera of a ``pyrender.Scene``. Raises SceneError when nothing can be drawn."""
+def from_pyrender(scene: pyrender.Scene, *, point_size: float | None = None) -> Scene:
+    """Return meshes, poses, instances, materials, background and the main camera of a ``pyrender.Scene``.
+
+    point_size: of points, scene units; None for one that closes their surface. Raises SceneError when nothing can be drawn.
+    """
+    notes = Notes()
+    looks = PyrenderLooks(notes)
     draws: list[Mesh] = []
     for node in scene.mesh_nodes:
         if node.mesh.is_visible:
             pose = np.asarray(scene.get_pose(node), np.float64)
-            draws += [d for p in node.mesh.primitives if (d := _draw(p, pose, node.name or node.mesh.name or "")) is not None]
+            for primitive in node.mesh.primitives:
+                draws += _draw(primitive, pose, node.name or node.mesh.name or "", looks, point_size)
     if not draws:
         raise SceneError("the pyrender scene has no triangles to draw")
     cameras = [] if scene.main_camera_node is None else [camera_from_pyrender(scene)]
-    return Scene(draws, cameras=cameras, name=scene.name or "pyrender scene")
+    name = scene.name or "pyrender scene"
+    made = finished(draws, cameras, (0.0, 1.0, 0.0), name, notes)
+    notes.say(name)
+    return dataclasses.replace(made, background=_background(scene))
+
+
+def _background(scene: Any) -> tuple[float, float, float, float] | None:
+    given = np.ones(4) if scene.bg_color is None else np.clip(np.asarray(scene.bg_color, np.float64), 0, 1)
+    if given.shape not in ((3,), (4,)):
+        return None
+    r, g, b, a = (float(value) for value in (*given, 1.0)[:4])
+    return r, g, b, a
 
 
 def camera_from_pyrender(scene: pyrender.Scene) -> Camera:
@@ -62,45 +84,43 @@ def camera_from_pyrender(scene: pyrender.Scene) -> Camera:
     return Camera(PyrenderLens(node.camera), np.asarray(scene.get_pose(node), np.float64), node.camera.name or "pyrender")
 
 
-def _draw(primitive: Any, pose: NDArray[np.float64], name: str) -> Mesh | None:
+def _draw(primitive: Any, pose: NDArray[np.float64], name: str, looks: PyrenderLooks, point_size: float | None) -> list[Mesh]:
+    """The meshes of a primitive: one, or one at each pose for points; none where nothing can be drawn."""
     positions = np.asarray(primitive.positions, np.float32)
-    if primitive.mode != TRIANGLES or len(positions) < 3:
-        return None
-    indices = np.arange(len(positions)) if primitive.indices is None else np.asarray(primitive.indices).ravel()
-    triangles = indices[: len(indices) // 3 * 3].reshape(-1, 3)
     normals = None if primitive.normals is None else np.asarray(primitive.normals, np.float32)
     poses = primitive.poses
     transforms = pose[None] if poses is None else pose @ np.asarray(poses, np.float64).reshape(-1, 4, 4)
-    factor = getattr(primitive.material, "baseColorFactor", None)
-    color = (0.8, 0.8, 0.8) if factor is None else _encode(np.asarray(factor, np.float64)[:3])
-    return Mesh(positions, triangles.astype(np.uint32), normals, color, _vertex_colors(primitive), transforms, name)
+    if primitive.mode == POINTS and len(positions):
+        colors = None if primitive.color_0 is None else linear_colors(_rgba(primitive.color_0))
+        return [_points(positions, matrix, colors, normals, name, point_size) for matrix in transforms]
+    indices = np.arange(len(positions)) if primitive.indices is None else np.asarray(primitive.indices).ravel().astype(np.int64)
+    if primitive.mode == TRIANGLES:
+        triangles = indices[: len(indices) // 3 * 3].reshape(-1, 3)
+    elif primitive.mode in (STRIP, FAN):
+        triangles = (strip_triangles if primitive.mode == STRIP else fan_triangles)(indices)
+    else:
+        return []
+    if not len(triangles):
+        return []
+    uv, material = looks.material(primitive, len(positions))
+    colors = None
+    if primitive.color_0 is not None:
+        colors = linear_colors(_rgba(primitive.color_0), np.array(material.base_color))
+        material = dataclasses.replace(material, base_color=(1.0, 1.0, 1.0, 1.0))
+    return [Mesh(positions, triangles.astype(np.uint32), normals, DEFAULT_COLOR, colors, transforms, name, uv, material)]
 
 
-def _vertex_colors(primitive: Any) -> NDArray[np.uint8] | None:
-    """(n, 4) uint8: the colours of the vertices times the texture there; None without either."""
-    parts = [
-        part for part in (_rgba(primitive.color_0), _sampled(primitive.material, primitive.texcoord_0)) if part is not None
-    ]
-    return np.round(np.prod(parts, axis=0) * 255).astype(np.uint8) if parts else None
+def _points(
+    positions: NDArray[np.float32], matrix: NDArray[np.float64], colors: NDArray[np.uint8] | None,
+    normals: NDArray[np.float32] | None, name: str, point_size: float | None,
+) -> Mesh:  # fmt: skip
+    world = positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    turned = None if normals is None else normals @ np.linalg.pinv(matrix[:3, :3])
+    return Mesh.from_points(world, colors, None if point_size is None else point_size / 2, normals=turned, name=name)
 
 
-def _sampled(material: Any, uv: NDArray[Any] | None) -> NDArray[np.float64] | None:
-    """The base colour texture at the vertices, (n, 4) in 0..1. Row 0 of its image is on top, v points up."""
-    image = getattr(getattr(material, "baseColorTexture", None), "source", None)
-    if image is None or uv is None:
-        return None
-    pixels = np.asarray(image)
-    pixels = pixels[..., None] if pixels.ndim == 2 else pixels
-    h, w = pixels.shape[:2]
-    column, row = (np.mod((uv[:, 0], 1 - uv[:, 1]), 1) * [[w], [h]]).astype(int)
-    found = pixels[row, column].astype(np.float64)
-    return _rgba(found / 255 if pixels.dtype == np.uint8 else found)
-
-
-def _rgba(color: NDArray[Any] | None) -> NDArray[np.float64] | None:
+def _rgba(color: NDArray[Any]) -> NDArray[np.float64]:
     """Grey, grey and alpha, RGB or RGBA (n, 1..4) in 0..1 as RGBA."""
-    if color is None:
-        return None
     given = np.clip(np.asarray(color, np.float64), 0, 1)
     rgb, alpha = (given[:, :3], given[:, 3:]) if given.shape[1] > 2 else (given[:, [0, 0, 0]], given[:, 1:])
     return np.column_stack([rgb, alpha if alpha.shape[1] else np.ones(len(given))])

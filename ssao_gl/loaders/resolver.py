@@ -11,8 +11,13 @@ from trimesh.resolvers import Resolver
 
 from ..errors import SceneError
 
+MAX_PARTS = 32
+"""Of a path, from which leading ones are left out until a file is found."""
 LARGEST = 512 << 20
 """Bytes of the materials and pictures beside a scene. A scene may name a film that happens to lie there."""
+
+
+Fetch = Callable[[str], bytes | Path | None]
 
 
 class FolderResolver(Resolver):
@@ -21,24 +26,26 @@ class FolderResolver(Resolver):
     Files whose :meth:`size` was asked, and found right, may be of any size; the others have :data:`LARGEST` for all.
     """
 
-    def __init__(self, fetch: Callable[[str], bytes | Path | None]) -> None:
+    def __init__(self, fetch: Fetch) -> None:
         self._fetch = fetch
         self._read: dict[Path, bytes] = {}
         self._known: set[Path] = set()
         self.missing: list[str] = []
+        self.edit: Callable[[str, bytes], bytes] = lambda name, content: content
+        """What is made of a file before it is handed out."""
 
     def get(self, name: str) -> bytes:
         """The content of a file. Raises SceneError."""
         found = self._find(name)
         if isinstance(found, bytes):
-            return found
+            return self.edit(name, found)
         if found not in self._read:
             others = {found, *self._read} - self._known
             total = sum(path.stat().st_size for path in others)
             if total > LARGEST:
                 raise SceneError(f"names files of {total >> 20} MiB; at most {LARGEST >> 20} MiB beside a scene are read")
             self._read[found] = found.read_bytes()
-        return self._read[found]
+        return self.edit(name, self._read[found])
 
     def size(self, name: str) -> int:
         """Bytes, without reading them. Raises SceneError."""
@@ -52,7 +59,9 @@ class FolderResolver(Resolver):
         plain = str(name).strip().replace("\\", "/")
         if "://" not in plain:
             # Exporters quote names as in URLs, and leave paths of the machine that they ran on.
-            for candidate in dict.fromkeys((plain, unquote(plain), plain.rsplit("/", 1)[-1])):
+            parts = plain.split("/")
+            ends = ("/".join(parts[first:]) for first in range(1, min(len(parts), MAX_PARTS)))
+            for candidate in dict.fromkeys((plain, unquote(plain), *ends, parts[-1])):
                 found = self._fetch(candidate) if candidate else None
                 if found is not None:
                     return found
@@ -73,12 +82,17 @@ class FolderResolver(Resolver):
 
 
 def in_folder(folder: Path) -> Callable[[str], Path | None]:
-    """Finds regular files in ``folder`` and below, links followed; None for all else."""
+    """Find regular files in ``folder`` and below, links followed; None for all else. Case counts only where it decides."""
     root = folder.resolve()
 
     def fetch(name: str) -> Path | None:
         try:
             path = (root / name).resolve()
+            if not path.is_relative_to(root):
+                return None
+            if not path.exists() and path.parent.is_dir():
+                alike = sorted(other for other in path.parent.iterdir() if other.name.lower() == path.name.lower())
+                path = alike[0].resolve() if alike else path
             return path if path.is_relative_to(root) and path.is_file() else None
         except (OSError, ValueError, RuntimeError):  # too long, a null byte, a loop of links
             return None

@@ -14,6 +14,7 @@ import numpy as np
 import trimesh
 from PIL import Image
 
+from ..loaders.gltf_parts import QUAD, UV, Parts
 from ..scene_files import LIST, XYZ, Tree, binary, glb, ply, tarred, tree, zipped
 
 Files = dict[str, bytes]
@@ -21,11 +22,12 @@ Files = dict[str, bytes]
 
 def seeds(scenes: Iterable[Path] = (), only: str = "") -> dict[str, Files]:
     """All of them, or those whose names are listed in ``only`` by commas, and whatever files of one's own are given."""
-    made = {**_gltf(), **_text(), **_ply(), **_xml(), **_exported()}
+    made = {**_gltf(), **_moving(), **_text(), **_ply(), **_xml(), **_exported()}
     made |= {
         "zip": {"a.zip": zipped(a__obj=made["obj"]["a.obj"], b__stl=made["stl"]["a.stl"], c__glb=made["glb"]["a.glb"])},
         "tar": {"a.tar.gz": gzip.compress(tarred("a.off", made["off"]["a.off"]), mtime=0)},
         "bz2": {"a.obj.bz2": bz2.compress(made["obj"]["a.obj"])},
+        "gz": {"a.ply.gz": gzip.compress(made["ply"]["a.ply"], mtime=0)},
     }
     made = {name: files for name, files in made.items() if not only or name in only.split(",")}
     for path in scenes:
@@ -108,12 +110,48 @@ def _gltf() -> dict[str, Files]:
     }
 
 
+def _moving() -> dict[str, Files]:
+    """A quad with a sparse accessor, a morph target, a skin, instances, a strip with a restart, points, and an animation."""
+    parts = Parts(extensionsUsed=["EXT_mesh_gpu_instancing", "KHR_node_visibility", "KHR_texture_transform"])
+    parts.texture(np.zeros((2, 2, 3)), wrapS=33071)
+    parts.tree["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = {
+        "KHR_texture_transform": {"scale": [0.5, 1]}
+    }
+    primitive = parts.quad(
+        TEXCOORD_0=parts.accessor((UV * 255).astype("u1"), True), COLOR_0=parts.accessor(np.full((4, 3), 0.5, "f4")),
+        JOINTS_0=parts.accessor(np.zeros((4, 4), "u1")), WEIGHTS_0=parts.accessor(np.tile(np.array([255, 0, 0, 0], "u1"), (4, 1)), True),
+    )  # fmt: skip
+    which, value = parts.view(np.array([3], "u2").tobytes()), parts.view(np.array([1, 3, 0], "f4").tobytes())
+    sparse = {"count": 1, "indices": {"bufferView": which, "componentType": 5123}, "values": {"bufferView": value}}
+    parts.tree["accessors"][primitive["attributes"]["POSITION"]]["sparse"] = sparse
+    plain = {"POSITION": parts.accessor(QUAD)}
+    strip = {"attributes": plain, "indices": parts.accessor(np.array([0, 1, 2, 65535, 1, 3, 2], "u2")), "mode": 5}
+    target = {"POSITION": parts.accessor(QUAD)}
+    many = {"attributes": {"TRANSLATION": parts.accessor(QUAD), "ROTATION": parts.accessor(np.eye(4, dtype="f4"))}}
+    inverse = parts.accessor(np.eye(4, dtype="f4").reshape(1, 16))
+    times = parts.accessor(np.array([0, 1], "f4"))
+    parts.tree |= {
+        "skins": [{"joints": [2], "inverseBindMatrices": inverse}],
+        "meshes": [
+            {"primitives": [{**primitive, "material": 0, "targets": [target]}], "weights": [0.5]},
+            {"primitives": [strip, {"attributes": plain, "mode": 6}, {"attributes": plain, "mode": 0}]},
+        ],
+        "nodes": [
+            {"mesh": 0, "skin": 0, "weights": [0.25]}, {"mesh": 1, "extensions": {"EXT_mesh_gpu_instancing": many}},
+            {"scale": [2, 2, 2], "children": [3]}, {"mesh": 1, "extensions": {"KHR_node_visibility": {"visible": False}}},
+        ],
+        "scenes": [{"nodes": [0, 1, 2]}],
+        "animations": [{"channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}], "samplers": [{"input": times, "output": target["POSITION"]}]}],
+    }  # fmt: skip
+    return {"glb moving": {"a.glb": parts.show()}}
+
+
 def _text() -> dict[str, Files]:
     obj = (
         "mtllib a.mtl\no first\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 1 0 1 1 1\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\n"
         "usemtl red\nf 1/1/1 2/2/1 3/3/1\ng two\nusemtl blue\nf 2/2/1 4/1/1 3/3/1\nf 1 2 4 3\nf -1 -2 -3\nl 1 2\n"
     )
-    mtl = "newmtl red\nKd 1 0 0\nmap_Kd a.png\nnewmtl blue\nKd 0 0 1\nNs 10\n"
+    mtl = "newmtl red\nKd 1 0 0\nmap_Kd -s 1 1 a.png\nnewmtl blue\nKd 0 0 1\nNs 10\n"
     return {
         "obj materials": {"a.obj": obj.encode(), "a.mtl": mtl.encode(), "a.png": png()},
         "xyz": {"a.xyz": b"0 0 0\n1 0 0\n0 1 0\n"},
@@ -138,6 +176,11 @@ def _ply() -> dict[str, Files]:
         made[f"ply {form}"] = {"a.ply": ply(header, vertices + faces, form), "a.png": png()}
         polygons = b"".join(bytes([len(f)]) + np.array(f, f"{order}i4").tobytes() for f in ((0, 1, 3, 2), (1, 3, 2)))
         made[f"ply polygons {form}"] = {"a.ply": ply(header, vertices + polygons, form), "a.png": png()}
+    strips = f"element vertex 4\n{XYZ.replace('property float x', 'property uchar diffuse_red{nl}property float x')}"
+    strips = strips.format(nl="\n") + "\nelement tristrips 1\nproperty list int int vertex_indices"
+    rows = "".join(f"9 {x} {y} {z}\n" for x, y, z in corners) + "6 0 1 2 -1 1 3\n"
+    made["ply strips"] = {"a.ply": ply(strips, rows.encode(), "ascii")}
+    made["ply points"] = {"a.ply": ply(f"element vertex 4\n{XYZ}", np.array(corners, "<f4").tobytes())}
     return made
 
 

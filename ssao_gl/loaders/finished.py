@@ -1,0 +1,40 @@
+"""Scenes from what readers made, with the last checks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..errors import SceneError
+from ..scene.camera import Camera
+from ..scene.model import Mesh, Scene
+from .mesh_building import check_span
+from .notes import Notes
+
+MAX_TRIANGLES = 10**9
+"""More, by instances of instances, would keep a software renderer busy for hours."""
+
+
+def finished(
+    meshes: Sequence[Mesh], cameras: Sequence[Camera], up: tuple[float, float, float], name: str, notes: Notes
+) -> Scene:
+    """Return the scene, with what was noted. Raises SceneError for sizes that cannot be drawn."""
+    scene = Scene(meshes, cameras, up, name)
+    check_span("the scene", scene.bounds)
+    if scene.triangles > MAX_TRIANGLES:
+        raise SceneError(f"draws {scene.triangles:,} triangles, instances counted each; at most {MAX_TRIANGLES:,} are drawn")
+    if not any(_has_area(mesh) for mesh in meshes):
+        notes.add("nothing can be seen: none of its triangles has an area")
+    return Scene(meshes, cameras, up, name, warnings=notes.lines)
+
+
+def _has_area(mesh: Mesh) -> bool:
+    """Whether some triangle has three corners that are not on one line, and some instance does not make it flat."""
+    for start in range(0, len(mesh.triangles), 1 << 16):
+        corners = mesh.positions[mesh.triangles[start : start + (1 << 16)]].astype(np.float64)
+        area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        if area.any():
+            flattened = np.linalg.matrix_rank(mesh.transforms[:, :3, :3]) < 2
+            return not bool(flattened.all())
+    return False
