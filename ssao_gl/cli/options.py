@@ -11,7 +11,7 @@ from typing import Annotated
 import numpy as np
 from cyclopts import Parameter
 
-from ..errors import SettingsError
+from ..errors import SceneError, SettingsError
 from ..loaders.load import load_scene
 from ..methods.registry import registry
 from ..passes.denoise import FILTERS
@@ -111,6 +111,14 @@ class ViewOptions:
     crease_deg: Annotated[float, _option("Meshes without normals: edges sharper than this stay sharp, degrees; 0: flat.")] = (
         40.0
     )
+    animation: Annotated[
+        str | None, _option("Animation of a glTF file, by name or number. [default: none, the file's rest pose]")
+    ] = None
+    time: Annotated[float, _option("Moment of --animation, seconds.")] = 0.0
+    point_size: Annotated[
+        float | None, _option("Diameter of points, scene units. [default: one that closes their surface]")
+    ] = None
+    strict: Annotated[bool, _option("Take it for an error when a part of the scene file is dropped or guessed.")] = False
 
     def pixels(self) -> Size:
         """(width, height). Raises SettingsError."""
@@ -124,7 +132,15 @@ class ViewOptions:
             return default_scene()
         if not 0 <= self.crease_deg <= 180:
             raise SettingsError(f"--crease-deg {self.crease_deg:g}: must be 0 to 180")
-        return load_scene(path, crease=math.radians(self.crease_deg), up=self.up_axis)
+        if self.point_size is not None and not 0 < self.point_size < math.inf:
+            raise SettingsError(f"--point-size {self.point_size:g}: must be above 0 (scene units)")
+        scene = load_scene(
+            path, crease=math.radians(self.crease_deg), up=self.up_axis,
+            animation=self.animation, time=self.time, point_size=self.point_size,
+        )  # fmt: skip
+        if self.strict and scene.warnings:
+            raise SceneError(f"{path}: {scene.warnings[0]} (--strict)")
+        return scene
 
     def choose(self, scene: Scene) -> Camera:
         """Return the camera for ``scene``: the options' over the file's over the scene's over an automatic one."""

@@ -109,7 +109,7 @@ def render(
     if cut is None:
         _save(picture, to)
     if to.json:
-        write_json(to.json, report)
+        write_json(to.json, {**report, "warnings": [*report.get("warnings", ()), *loaded.warnings]})
     return 0
 
 
