@@ -2,6 +2,7 @@
 // Each target is there only when some pass reads it.
 #needs es300
 #include "lib/normal.glsl"
+#include "lib/srgb.glsl"
 
 VARYING vec3 v_position;
 #ifdef SMOOTH
@@ -10,6 +11,13 @@ VARYING vec3 v_normal;
 #ifdef VERTEX_COLOR
 VARYING vec4 v_color;
 #endif
+#ifdef TEXTURED
+uniform sampler2D u_texture;  // base colour as linear light, and alpha
+VARYING vec2 v_uv;
+#endif
+#ifdef CUT
+uniform float u_cutoff;  // alpha below which there is no surface
+#endif
 #ifdef BEHIND
 uniform sampler2D u_front;  // linear depth of the first layer
 uniform vec2 u_texel;
@@ -17,7 +25,7 @@ uniform vec2 u_texel;
 #ifdef LOG_DEPTH
 uniform vec2 u_log;  // 1 / near, 1 / log2(far / near)
 #endif
-uniform vec4 u_color;  // base colour, sRGB
+uniform vec4 u_color;  // base colour, sRGB; with a texture linear
 uniform vec3 u_light;  // unit vector to the light, view space
 
 #ifdef DEPTH_TARGET
@@ -70,12 +78,30 @@ void main() {
     out_shading_normal = vec4(ssao_encode_normal(n), 0.0, 0.0);
 #endif
 #ifdef COLOR
+#if defined(TEXTURED)
+    vec3 base = SAMPLE(u_texture, v_uv).rgb * u_color.rgb;
 #ifdef VERTEX_COLOR
+    base *= ssao_srgb_to_linear(v_color.rgb);
+#endif
+    vec3 color = ssao_linear_to_srgb(base);
+#elif defined(VERTEX_COLOR)
     vec3 color = v_color.rgb * u_color.rgb;
 #else
     vec3 color = u_color.rgb;
 #endif
     out_color = vec4(color, max(0.0, dot(n, u_light)));
 #endif
+#endif
+#ifdef CUT
+    // Last, for what is discarded has no derivatives. The picture itself, not its smaller copies: in these, leaves thin out
+    // with distance, and rays would see others than we.
+    float alpha = u_color.a;
+#ifdef TEXTURED
+    alpha *= textureLod(u_texture, v_uv, 0.0).a;
+#endif
+#ifdef VERTEX_COLOR
+    alpha *= v_color.a;
+#endif
+    if (alpha < u_cutoff) discard;
 #endif
 }

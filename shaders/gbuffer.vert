@@ -15,6 +15,10 @@ VARYING vec3 v_normal;
 ATTRIBUTE vec4 a_color;
 VARYING vec4 v_color;
 #endif
+#ifdef TEXTURED
+ATTRIBUTE vec2 a_uv;
+VARYING vec2 v_uv;
+#endif
 
 void main() {
     mat4 model_view = u_view * a_model;
@@ -28,5 +32,8 @@ void main() {
 #endif
 #ifdef VERTEX_COLOR
     v_color = a_color;
+#endif
+#ifdef TEXTURED
+    v_uv = a_uv;
 #endif
 }

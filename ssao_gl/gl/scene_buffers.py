@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Any
 
 import moderngl
@@ -15,10 +15,10 @@ from ..glsl.preprocess import Define
 from ..graph.draws import DrawScene
 from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, NORMAL, SHADING_NORMAL
 from ..scene.camera import Camera
-from ..scene.material import colors_at_vertices
 from ..scene.model import Mesh, Scene
 from ..scene.projection import Matrix, ViewConstants
 from .programs import GpuResources
+from .scene_textures import Sampled, SceneTextures
 
 CHUNK = 1 << 18
 """Vertices converted and uploaded at a time, so that no second copy of a large mesh is made."""
@@ -31,41 +31,53 @@ LIGHT = (-0.36, 0.48, 0.8)
 """Unit vector to the light in view space: over the viewer's left shoulder."""
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _OnGpu:
+    """A mesh, its vertex data by attribute (buffer, format), its triangles and its texture."""
+
+    mesh: Mesh
+    attributes: dict[str, tuple[Any, str]]
+    index: Any
+    texture: Sampled | None
+
+
 class SceneBuffers:
-    """A scene's vertex data in GL buffers."""
+    """A scene's vertex data and textures in GL objects."""
 
     def __init__(self, resources: GpuResources, scene: Scene) -> None:
         self.scene = scene
         self._resources = resources
         self._owned: list[Any] = []
         self._arrays: dict[Any, moderngl.VertexArray] = {}
+        self._textures = SceneTextures(resources)
         self._center = scene.bounds.mean(0)
         try:
-            self._meshes = [self._upload(draw) for draw in scene.meshes if len(draw.triangles) and len(draw.transforms)]
+            self._meshes = [self._upload(mesh) for mesh in scene.drawn]
         except BaseException:
             self.release()
             raise
 
-    def _upload(self, draw: Mesh) -> tuple[Mesh, dict[str, tuple[Any, str]], Any]:
-        count = len(draw.positions)
+    def _upload(self, mesh: Mesh) -> _OnGpu:
+        count = len(mesh.positions)
         # Vertices about the middle of the mesh, transforms about the middle of the scene: differences of large
         # coordinates are taken here, in 64-bit.
-        middle = (draw.positions.min(0).astype(np.float64) + draw.positions.max(0)) / 2
-        place = draw.transforms.copy()
+        middle = (mesh.positions.min(0).astype(np.float64) + mesh.positions.max(0)) / 2
+        place = mesh.transforms.copy()
         place[:, :3, 3] += place[:, :3, :3] @ middle - self._center
         buffers: dict[str, tuple[Any, str]] = {
-            "a_position": (self._fill(count, 12, lambda s: (draw.positions[s] - middle).astype("f4")), "3f"),
+            "a_position": (self._fill(count, 12, lambda s: (mesh.positions[s] - middle).astype("f4")), "3f"),
             "a_model": (self._buffer(np.ascontiguousarray(place.transpose(0, 2, 1), "f4")), "16f/i"),
         }
-        if draw.normals is not None:
-            normals = draw.normals
+        if mesh.normals is not None:
+            normals = mesh.normals
             buffers["a_normal"] = (self._fill(count, 8, lambda s: _snorm16(normals[s])), "4i2")
-        color, vertex_colors = colors_at_vertices(draw)  # until textures are sampled where they belong
-        if draw.uv is not None:
-            draw = replace(draw, color=color, vertex_colors=vertex_colors, uv=None, material=None)
-        if vertex_colors is not None:
-            buffers["a_color"] = (self._buffer(np.ascontiguousarray(vertex_colors)), "4f1")
-        return draw, buffers, self._buffer(np.ascontiguousarray(draw.triangles))
+        if mesh.vertex_colors is not None:
+            buffers["a_color"] = (self._buffer(np.ascontiguousarray(mesh.vertex_colors)), "4f1")
+        texture = None
+        if mesh.texture is not None and mesh.uv is not None:
+            texture = self._textures.sampled(mesh.texture)
+            buffers["a_uv"] = (self._buffer(np.ascontiguousarray(mesh.uv, "f4")), "2f")
+        return _OnGpu(mesh, buffers, self._buffer(np.ascontiguousarray(mesh.triangles)), texture)
 
     def _buffer(self, data: NDArray[Any] | None = None, *, reserve: int = 0) -> moderngl.Buffer:
         made = self._resources.ctx.mgl.buffer(data, reserve=reserve)
@@ -96,16 +108,21 @@ class SceneBuffers:
             "u_light": LIGHT,
             **uniforms,
         }
-        for number, (mesh, buffers, index) in enumerate(self._meshes):
-            program = self._resources.program(*draw.shader, {**_defines(mesh, writes, defines), **defines})
+        unit = len(draw.samplers)
+        for number, on_gpu in enumerate(self._meshes):
+            needed = _defines(on_gpu.mesh, writes, defines)
+            program = self._resources.program(*draw.shader, {**needed, **defines})
             key = (number, program)
             vao = self._arrays.get(key)
             if vao is None:
-                content = [(buffers[n][0], buffers[n][1], n) for n in buffers if n in program.mgl]
-                vao = self._arrays[key] = self._resources.ctx.mgl.vertex_array(program.mgl, content, index)
+                content = [(*on_gpu.attributes[n], n) for n in on_gpu.attributes if n in program.mgl]
+                vao = self._arrays[key] = self._resources.ctx.mgl.vertex_array(program.mgl, content, on_gpu.index)
             program.set(shared)
-            program.set({"u_color": (*mesh.color, 1.0)})
-            vao.render(moderngl.TRIANGLES, instances=len(mesh.transforms))
+            program.set(_look(on_gpu.mesh, needed))
+            if "TEXTURED" in needed and on_gpu.texture is not None:
+                on_gpu.texture.bind(unit)
+                program.set({"u_texture": unit})
+            vao.render(moderngl.TRIANGLES, instances=len(on_gpu.mesh.transforms))
 
     def _depth_range(self, from_center: Matrix) -> tuple[float, float]:
         """Smallest and largest linear depth of the scene's bounding box."""
@@ -120,6 +137,7 @@ class SceneBuffers:
             array.release()
         for buffer in self._owned:
             buffer.release()
+        self._textures.release()
         self._arrays, self._owned, self._meshes = {}, [], []
 
 
@@ -169,17 +187,30 @@ TARGETS = {
 """Resource -> the define that makes the shader write it."""
 
 
-def _defines(draw: Mesh, writes: Sequence[str], given: Mapping[str, Define]) -> dict[str, int]:
+def _defines(mesh: Mesh, writes: Sequence[str], given: Mapping[str, Define]) -> dict[str, int]:
     """Return what the shader of a mesh must do, and no more."""
     defines: dict[str, int] = {"TARGETS": len(writes)} | {TARGETS[name]: index for index, name in enumerate(writes)}
     smooth = {SHADING_NORMAL, COLOR} | (set() if "GEOMETRIC" in given else {NORMAL})
     if NORMAL in writes or smooth & set(writes):
         defines["NORMAL"] = 1
-    if smooth & set(writes) and draw.normals is not None:
+    if smooth & set(writes) and mesh.normals is not None:
         defines["SMOOTH"] = 1
-    if COLOR in writes and draw.vertex_colors is not None:
+    colored, cut = COLOR in writes, mesh.cutoff is not None
+    if cut:
+        defines["CUT"] = 1
+    if mesh.vertex_colors is not None and (colored or cut):
         defines["VERTEX_COLOR"] = 1
+    if mesh.texture is not None and (colored or cut):
+        defines["TEXTURED"] = 1
     return defines
+
+
+def _look(mesh: Mesh, defines: Mapping[str, int]) -> dict[str, Any]:
+    """Return the uniforms of base colour: sRGB, and linear where a texture is multiplied."""
+    material = mesh.material
+    alpha = 1.0 if material is None else material.base_color[3]
+    color = material.base_color[:3] if material is not None and "TEXTURED" in defines else mesh.color
+    return {"u_color": (*color, alpha)} | ({"u_cutoff": mesh.cutoff} if "CUT" in defines else {})
 
 
 def _snorm16(normals: NDArray[np.float32]) -> NDArray[np.int16]:

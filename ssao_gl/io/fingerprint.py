@@ -51,8 +51,17 @@ def add_arrays(digest: _Hash, arrays: Iterable[NDArray[Any] | None]) -> None:
 
 
 def add_mesh(digest: _Hash, mesh: Mesh, *, normals: bool, colors: bool) -> None:
-    """Add the triangles of a mesh and where they are; on demand what shades them, and what colours them."""
+    """Add the triangles of a mesh and where they are, and what alpha cuts out of them.
+
+    On demand what shades them, and what colours them.
+    """
     add_arrays(digest, (mesh.positions, mesh.triangles, mesh.transforms, mesh.normals if normals else None))
     if colors:
-        texture = None if mesh.material is None else mesh.material.base_color_texture
-        add_arrays(digest, (np.array(mesh.color), mesh.vertex_colors, mesh.uv, None if texture is None else texture.array))
+        add_arrays(digest, (np.array(mesh.color), mesh.vertex_colors))
+    if mesh.cutoff is not None and mesh.material is not None:
+        digest.update(repr((mesh.cutoff, mesh.material.base_color[3])).encode())
+        add_arrays(digest, (None if mesh.vertex_colors is None else mesh.vertex_colors[:, 3],))
+    texture = mesh.texture
+    if texture is not None and (colors or mesh.cutoff is not None):
+        digest.update(repr((texture.wrap, texture.nearest, texture.mipmaps)).encode())
+        add_arrays(digest, (mesh.uv, texture.array))

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..scene.camera import Camera
+from ..scene.material import SOLID_FROM
 from ..scene.model import Mesh, Scene
 from .mesh_building import check_span
 from .notes import Notes
@@ -24,7 +25,17 @@ def finished(
     check_span("the scene", scene.bounds)
     if scene.triangles > MAX_TRIANGLES:
         raise SceneError(f"draws {scene.triangles:,} triangles, instances counted each; at most {MAX_TRIANGLES:,} are drawn")
-    if not any(_has_area(mesh) for mesh in meshes):
+    blended = sum(
+        mesh.material is not None and mesh.material.alpha_mode == "BLEND" and mesh.alpha_range[0] < 1 for mesh in meshes
+    )
+    if blended:
+        notes.add(
+            f"{blended} of {len(meshes)} meshes are transparent (alpha is blended): drawn solid where alpha is at least"
+            f" {SOLID_FROM:g}, and not at all elsewhere"
+        )
+    if not scene.drawn:
+        notes.add("nothing can be seen: all of it is transparent")
+    elif not any(_has_area(mesh) for mesh in scene.drawn):
         notes.add("nothing can be seen: none of its triangles has an area")
     return Scene(meshes, cameras, up, name, warnings=notes.lines)
 

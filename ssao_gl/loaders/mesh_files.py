@@ -129,7 +129,7 @@ class _Reader:
                 colors = None if words is None else face_colors(header, np.asarray(words, np.uint16))
                 if colors is not None:
                     mesh.visual.face_colors = colors
-        return meshes_of(scene, self.options, self.notes, soup=True)
+        return meshes_of(scene, self.options, self.notes, soup=True, beside=beside)
 
     def archive(self, files: Mapping[str, bytes], fetch: Fetch | None = None) -> Loaded:
         """All meshes of an archive in one scene; ``fetch`` finds what they name, None: in the archive."""

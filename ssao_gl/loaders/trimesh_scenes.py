@@ -15,6 +15,7 @@ from .finished import finished
 from .mesh_building import MeshData, build_mesh
 from .notes import Notes
 from .read_options import ReadOptions
+from .resolver import FolderResolver
 from .trimesh_materials import TrimeshLooks
 
 if TYPE_CHECKING:
@@ -51,15 +52,20 @@ def from_trimesh(
     return scene
 
 
-def meshes_of(source: trimesh.Scene, options: ReadOptions, notes: Notes, *, soup: bool) -> list[Mesh]:
-    """Return everything that can be drawn of a ``trimesh.Scene``. Raises SceneError when there is nothing."""
+def meshes_of(
+    source: trimesh.Scene, options: ReadOptions, notes: Notes, *, soup: bool, beside: FolderResolver | None = None
+) -> list[Mesh]:
+    """Return everything that can be drawn of a ``trimesh.Scene``. Raises SceneError when there is nothing.
+
+    ``beside``: where its materials' further pictures are found.
+    """
     import trimesh
 
     places: dict[str, list[NDArray[np.float64]]] = {}
     for node in source.graph.nodes_geometry:
         matrix, geometry = source.graph.get(node)
         places.setdefault(str(geometry), []).append(np.asarray(matrix, np.float64))
-    looks = TrimeshLooks(notes)
+    looks = TrimeshLooks(notes, beside)
     made: list[Mesh] = []
     dropped: set[str] = set()
     for key, found in places.items():

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +13,12 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from . import srgb
 
-if TYPE_CHECKING:
-    from .model import Mesh
-
 AlphaMode = Literal["OPAQUE", "MASK", "BLEND"]
 Wrap = Literal["repeat", "mirror", "clamp"]
 Color = tuple[float, float, float]
 
-CHUNK = 1 << 18
-"""Vertices a step."""
+SOLID_FROM = 0.5
+"""Alpha from which what would be mixed with its background is drawn solid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +42,10 @@ class ColorTexture:
         if any(kind not in ("repeat", "mirror", "clamp") for kind in self.wrap):
             raise SceneError(f"texture '{self.name}': wrap is {self.wrap}; each must be repeat, mirror or clamp")
 
-    @property
-    def has_alpha(self) -> bool:
-        """Whether some texel is not opaque."""
-        return self.array.shape[2] == 4 and bool((self.array[..., 3] < 255).any())
+    @cached_property
+    def alpha_range(self) -> tuple[float, float]:
+        """Smallest and largest alpha of a texel, in 0..1."""
+        return alpha_range(self.array[..., 3]) if self.array.shape[2] == 4 else (1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +53,7 @@ class Material:
     """How a surface looks: base colour = ``base_color`` x texture x vertex colours, multiplied as linear light.
 
     base_color: linear (r, g, b, alpha) in 0..1. alpha_mode: OPAQUE ignores alpha; MASK cuts out what is below
-    ``alpha_cutoff``; BLEND mixes with what is behind. metallic, roughness and emissive (linear r, g, b) are kept for light
+    ``alpha_cutoff``; BLEND, which would mix with what is behind, cuts out what is below 1/2. metallic, roughness and emissive (linear r, g, b) are kept for light
     that is yet to come, double_sided too: every surface is drawn from both sides today.
     """
 
@@ -78,54 +76,16 @@ class Material:
             raise SceneError(f"material '{self.name}': alpha_cutoff is {self.alpha_cutoff:g}; it must be finite")
 
     @property
+    def cutoff(self) -> float | None:
+        """Alpha below which there is no surface; None: there is one whatever alpha says."""
+        return {"OPAQUE": None, "MASK": self.alpha_cutoff, "BLEND": SOLID_FROM}[self.alpha_mode]
+
+    @property
     def color(self) -> Color:
         """``base_color`` without alpha, sRGB."""
         return srgb.encoded_rgb(self.base_color[:3])
 
 
-def colors_at_vertices(mesh: Mesh) -> tuple[Color, NDArray[np.uint8] | None]:
-    """Return a mesh's colour (sRGB) and vertex colours ((n, 4) uint8 sRGB or None), its texture taken at the vertices.
-
-    For drawing without texture coordinates: the nearest texel of each vertex, so that detail between vertices is lost.
-    """
-    material = mesh.material
-    texture = None if material is None else material.base_color_texture
-    if material is None or texture is None or mesh.uv is None:
-        return mesh.color, mesh.vertex_colors
-    out = np.empty((len(mesh.uv), 4), np.uint8)
-    factor = np.array(material.base_color)
-    plain = mesh.vertex_colors is None and bool((factor == 1).all())
-    for start in range(0, len(out), CHUNK):
-        part = slice(start, start + CHUNK)
-        texels = _nearest(texture, mesh.uv[part])
-        if not plain:
-            light = srgb.decode(texels[:, :3] / 255) * factor[:3]
-            alpha = texels[:, 3] / 255 * factor[3]
-            if mesh.vertex_colors is not None:
-                light *= srgb.decode(mesh.vertex_colors[part, :3] / 255)
-                alpha *= mesh.vertex_colors[part, 3] / 255
-            texels = np.round(np.column_stack([srgb.encode(light), alpha]) * 255).astype(np.uint8)
-        out[part] = texels
-    return (1.0, 1.0, 1.0), out
-
-
-def _nearest(texture: ColorTexture, uv: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """(n, 4) texels at uv (n, 2); the corners of the unit square are the middles of the picture's corner texels."""
-    h, w, channels = texture.array.shape
-    x, y = (
-        (_wrapped(uv[:, axis].astype(np.float64), texture.wrap[axis], size) * (size - 1)).round().astype(np.int64)
-        for axis, size in enumerate((w, h))
-    )
-    texels = np.full((len(uv), 4), 255, np.uint8)
-    texels[:, :channels] = texture.array[y % h, x % w]
-    return texels
-
-
-def _wrapped(t: NDArray[np.float64], kind: Wrap, size: int) -> NDArray[np.float64]:
-    """``t`` within 0..1."""
-    if kind == "clamp":
-        return np.clip(t, 0, 1)
-    if kind == "mirror":
-        return 1 - np.abs(1 - t % 2)
-    last = max(size - 1, 1)
-    return (t * last % size) / last
+def alpha_range(values: NDArray[np.uint8]) -> tuple[float, float]:
+    """Return the smallest and largest of some alpha values, in 0..1."""
+    return int(values.min(initial=255)) / 255, int(values.max(initial=0)) / 255

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import SceneError
 from .bounds import box_corners, core_bounds, mesh_bounds
 from .camera import Camera, look_at
-from .material import Material
+from .material import ColorTexture, Material, alpha_range
 from .points import surfels
 from .projection import Size
 
@@ -94,6 +94,34 @@ class Mesh:
         """(2, 3) smallest and largest world coordinate over all instances, of the vertices that triangles name."""
         return mesh_bounds(self)
 
+    @property
+    def texture(self) -> ColorTexture | None:
+        """The picture of base colour; None without one, or without coordinates in it."""
+        return None if self.material is None or self.uv is None else self.material.base_color_texture
+
+    @cached_property
+    def alpha_range(self) -> tuple[float, float]:
+        """Bounds of alpha over the surface, in 0..1."""
+        factor = 1.0 if self.material is None else self.material.base_color[3]
+        ranges = [(factor, factor)]
+        if self.texture is not None:
+            ranges.append(self.texture.alpha_range)
+        if self.vertex_colors is not None:
+            ranges.append(alpha_range(self.vertex_colors[:, 3]))
+        return math.prod(low for low, _ in ranges), math.prod(high for _, high in ranges)
+
+    @property
+    def cutoff(self) -> float | None:
+        """Alpha below which there is no surface; None where alpha need not be looked at."""
+        cutoff = None if self.material is None else self.material.cutoff
+        return None if cutoff is None or self.alpha_range[0] >= cutoff else cutoff
+
+    @property
+    def can_show(self) -> bool:
+        """Whether it has triangles and a place, and is not cut out as a whole."""
+        cutoff = self.cutoff
+        return bool(len(self.triangles) and len(self.transforms)) and (cutoff is None or self.alpha_range[1] >= cutoff)
+
 
 @dataclass(frozen=True, eq=False)
 class Scene:
@@ -166,9 +194,19 @@ class Scene:
         return self.meshes
 
     @cached_property
+    def drawn(self) -> Sequence[Mesh]:
+        """Those meshes of which something may be seen."""
+        return [mesh for mesh in self.meshes if mesh.can_show]
+
+    @property
+    def _extended(self) -> list[Mesh]:
+        """What has an extent: all that is drawn; where that is nothing, all that has triangles."""
+        return list(self.drawn) or [mesh for mesh in self.meshes if len(mesh.triangles) and len(mesh.transforms)]
+
+    @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) smallest and largest world coordinate."""
-        boxes = np.array([draw.bounds for draw in self.meshes if len(draw.triangles) and len(draw.transforms)])
+        boxes = np.array([mesh.bounds for mesh in self._extended])
         return np.stack([boxes[:, 0].min(0), boxes[:, 1].max(0)])
 
     @property
@@ -179,12 +217,12 @@ class Scene:
     @cached_property
     def core(self) -> NDArray[np.float64]:
         """(2, 3) the box without strays: tiny things far from all the rest. Automatic cameras and radii are made for it."""
-        return core_bounds([draw for draw in self.meshes if len(draw.triangles) and len(draw.transforms)], self.bounds)
+        return core_bounds(self._extended, self.bounds)
 
     @property
     def triangles(self) -> int:
         """How many triangles are drawn, instances counted each."""
-        return sum(len(draw.triangles) * len(draw.transforms) for draw in self.meshes)
+        return sum(len(mesh.triangles) * len(mesh.transforms) for mesh in self.drawn)
 
     def default_radius(self) -> float:
         """Return an AO radius that suits objects seen whole."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError, SettingsError
 from ..scene.model import Mesh, Scene
+from ..scene.texels import alpha_at
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -40,8 +41,15 @@ rounding errors: Waechter & Binder, "A Fast and Robust Method for Avoiding Self-
 """
 
 
+CUT_LAYERS = 256
+"""Holes that a ray may go through one after another; a ray that meets more has met something."""
+
+
 class RayScene:
-    """Triangles of a scene, every instance, as blockers with two sides. Calls may come from several threads at once."""
+    """Triangles of a scene, every instance, as blockers with two sides. Calls may come from several threads at once.
+
+    What alpha cuts out blocks nothing.
+    """
 
     def __init__(self, scene: Scene) -> None:
         """Raise SettingsError without embreex, SceneError for a scene that Embree cannot hold."""
@@ -49,7 +57,8 @@ class RayScene:
         self.scene = scene
         _check_memory(scene)
         self.center, self.scale = _local(scene)
-        self._parts = [(draw, self._to_local(m)) for draw in scene.meshes if len(draw.triangles) for m in draw.transforms]
+        self._parts = [(mesh, self._to_local(m)) for mesh in scene.drawn for m in mesh.transforms]
+        self._cut = np.array([mesh.cutoff is not None for mesh, _ in self._parts], bool)
         self._embree = embree.rtcore_scene.EmbreeScene(robust=True)  # no leaks along edges
         for draw, matrix in self._parts:
             embree.mesh_construction.TriangleMesh(self._embree, _placed(draw, matrix), draw.triangles.view(np.int32))
@@ -63,17 +72,57 @@ class RayScene:
 
     def occluded(self, origins: F32, directions: F32, reach: float) -> NDArray[np.bool_]:
         """Whether each ray (n, 3) hits anything nearer than ``reach``, in local units."""
+        if self._cut.any():
+            return np.asarray(self._solid_hits(origins, directions, np.full(len(origins), reach, np.float32))["geomID"] >= 0)
         return np.asarray(self._embree.run(origins, directions, dists=reach, query="OCCLUDED")) >= 0
 
     def distances(self, origins: F32, directions: F32, reach: float) -> F32:
         """Distance (n,) to the first hit of each ray (n, 3), ``reach`` where there is none."""
+        if self._cut.any():
+            found = self._solid_hits(origins, directions, np.full(len(origins), reach, np.float32))
+            return np.where(found["geomID"] >= 0, found["tfar"], np.float32(reach))
         return np.asarray(self._embree.run(origins, directions, dists=reach, query="DISTANCE"))
 
     def hits(self, origins: F32, directions: F32, reach: F32) -> dict[str, NDArray[Any]]:
-        """Return the first hits of rays (n, 3) within ``reach`` (n,): barycentric u and v, primID and geomID (-1: none)."""
+        """Return the first hits of rays (n, 3) within ``reach`` (n,): barycentric u and v, tfar, primID and geomID (-1: none)."""
+        return self._solid_hits(origins, directions, reach) if self._cut.any() else self._hits(origins, directions, reach)
+
+    def _hits(self, origins: F32, directions: F32, reach: F32) -> dict[str, NDArray[Any]]:
         # embreex writes the distances it finds into the array it is given.
         found: dict[str, NDArray[Any]] = self._embree.run(origins, directions, dists=reach.copy(), query="INTERSECT", output=1)
         return found
+
+    def _solid_hits(self, origins: F32, directions: F32, reach: F32) -> dict[str, NDArray[Any]]:
+        """:meth:`hits`, where rays that met a hole start anew behind it."""
+        found = self._hits(origins, directions, reach)
+        gone = np.zeros(len(origins), np.float32)
+        length = np.linalg.norm(directions, axis=1)
+        rays = self._at_holes(found, np.arange(len(origins)))
+        for _ in range(CUT_LAYERS):
+            if not len(rays):
+                break
+            gone[rays] = np.nextafter(gone[rays] + found["tfar"][rays], np.float32(np.inf)) + OFFSET / length[rays]
+            left = np.maximum(reach[rays] - gone[rays], 0)
+            further = self._hits(origins[rays] + gone[rays, None] * directions[rays], directions[rays], left)
+            further["geomID"][left <= 0] = -1
+            for name in ("u", "v", "tfar", "primID", "geomID"):
+                found[name][rays] = further[name]
+            rays = self._at_holes(found, rays)
+        found["tfar"] += gone
+        return found
+
+    def _at_holes(self, found: dict[str, NDArray[Any]], rays: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return those of ``rays`` whose hits are cut out."""
+        part = found["geomID"][rays].astype(np.int64)
+        candidates = rays[(part >= 0) & self._cut[part]]
+        holes = [candidates[:0]]
+        part = found["geomID"][candidates]
+        for number in np.unique(part):
+            mesh = self._parts[number][0]
+            of = candidates[part == number]
+            alpha = alpha_at(mesh, found["primID"][of], found["u"][of].astype(np.float64), found["v"][of].astype(np.float64))
+            holes.append(of[alpha < (mesh.cutoff or 0)])
+        return np.sort(np.concatenate(holes))
 
     def corners(self, part: int, triangles: I32) -> tuple[F64, F64]:
         """Corners (n, 3, 3) of some triangles of a part, local, and vertex normals (n, 3, 3), zero where there are none.

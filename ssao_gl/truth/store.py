@@ -28,7 +28,7 @@ def content_key(scene: Scene, camera: Camera, size: Size, tracing: Tracing) -> s
     """Return the hash of the triangles and where they are, the camera, the size and the settings; not of names or colours."""
     digest = hashlib.sha256(json.dumps([VERSION, size, as_table(tracing)], sort_keys=True).encode())
     add_arrays(digest, (np.asarray(camera.lens.matrix(size), np.float64), np.asarray(camera.pose, np.float64)))
-    for mesh in scene.meshes:
+    for mesh in scene.drawn:
         add_mesh(digest, mesh, normals=tracing.normals == "shading", colors=False)
     return digest.hexdigest()[:32]
 

@@ -6,6 +6,7 @@ import gzip
 import io
 import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,9 +14,9 @@ from PIL import Image
 
 from ssao_gl.errors import SceneError
 from ssao_gl.loaders.load import load_scene
-from ssao_gl.scene.material import colors_at_vertices
 from ssao_gl.scene.model import Scene
 
+from ..colors import colors_at_vertices
 from ..scene_files import LIST, XYZ, ply
 
 CORNERS = [(-1, -1, 0), (1, -1, 0), (-1, 1, 0), (1, 1, 0)]
@@ -24,9 +25,7 @@ RED = (255, 0, 0)
 
 def is_red(scene: Scene) -> bool:
     (mesh,) = scene.meshes
-    color, found = colors_at_vertices(mesh)
-    shown = np.round(np.array(color) * (255 if found is None else found[:, :3]))
-    return scene.triangles == 2 and bool((shown.reshape(-1, 3) == RED).all())
+    return scene.triangles == 2 and bool((colors_at_vertices(mesh)[:, :3] == RED).all())
 
 
 def painted(names: str, kind: str = "uchar", value: str = "255 0 0") -> bytes:
@@ -114,11 +113,11 @@ def test_mtl_names_of_pictures(line: str, tmp_path: Path) -> None:
     assert is_red(scene) and scene.warnings == ()
 
 
-def test_mtl_options_that_do_something_are_said(tmp_path: Path) -> None:
+def test_mtl_options_that_are_not_applied_are_said(tmp_path: Path) -> None:
     Image.fromarray(np.full((2, 2, 3), RED, np.uint8)).save(tmp_path / "wood.png")
-    (tmp_path / "my.mtl").write_text("newmtl m\nmap_Kd -s 2 2 wood.png\n")
+    (tmp_path / "my.mtl").write_text("newmtl m\nmap_Kd -t 2 2 wood.png\n")
     (tmp_path / "a.obj").write_text(OBJ)
-    assert load_scene(tmp_path / "a.obj").warnings == ("a picture's option -s in the material library is not applied",)
+    assert load_scene(tmp_path / "a.obj").warnings == ("a picture's option -t in the material library is not applied",)
 
 
 def test_materials_beside_a_packed_file(tmp_path: Path) -> None:
@@ -144,3 +143,55 @@ def test_nothing_can_be_seen(tmp_path: Path, caplog: pytest.LogCaptureFixture) -
         scene = load_scene(tmp_path / "a.off")
     assert scene.warnings == ("nothing can be seen: none of its triangles has an area",)
     assert "nothing can be seen" in caplog.text and scene.default_camera() and scene.default_radius() > 0
+
+
+def quad_obj(folder: Path, library: str, **pictures: Any) -> Scene:
+    """A quad of two triangles with a material library and pictures beside it."""
+    for name, texels in pictures.items():
+        Image.fromarray(np.asarray(texels, np.uint8)).save(folder / f"{name}.png")
+    (folder / "m.mtl").write_text("newmtl m\n" + library)
+    corners = "".join(f"v {x} {y} {z}\n" for x, y, z in CORNERS)
+    (folder / "quad.obj").write_text(
+        f"mtllib m.mtl\nusemtl m\n{corners}vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\nf 1/1 2/2 3/3\nf 2/2 4/4 3/3\n"
+    )
+    return load_scene(folder / "quad.obj")
+
+
+@pytest.mark.parametrize(
+    ("line", "alpha"),
+    [("d 0.4", 0.4), ("Tr 0.3", 0.7), ("d -halo 0.8", 0.8), ("d 1", 1), ("Tr 0", 1), ("d 0.9\nTr 0.8", 0.9), ("d x", 1)],
+)
+def test_dissolve_is_alpha(tmp_path: Path, line: str, alpha: float) -> None:
+    """Below one half nothing is drawn, and it is said."""
+    scene = quad_obj(tmp_path, f"Kd 1 0 0\n{line}\n")
+    (mesh,) = scene.meshes
+    assert mesh.material is not None and mesh.material.base_color[3] == pytest.approx(alpha)
+    assert bool(scene.drawn) == (alpha >= 0.5)
+    assert any("transparent" in line for line in scene.warnings) == (alpha < 1)
+
+
+def test_wholly_transparent_is_taken_for_a_mistake(tmp_path: Path) -> None:
+    """Exporters that mean the opposite are as frequent as invisible materials are useless."""
+    for line in ("d 0", "Tr 1"):
+        scene = quad_obj(tmp_path, f"Kd 1 0 0\n{line}\n")
+        assert scene.drawn and is_red(scene) and "drawn solid" in scene.warnings[0]
+
+
+@pytest.mark.parametrize("kind", ["grey", "alpha"])
+def test_map_d_cuts_out(tmp_path: Path, kind: str) -> None:
+    shape = np.zeros((8, 8), np.uint8)
+    shape[2:6, 2:6] = 255
+    cut = shape if kind == "grey" else np.dstack([np.full((8, 8, 3), 90, np.uint8), shape])
+    scene = quad_obj(tmp_path, "map_Kd wood.png\nmap_d cut.png\n", wood=np.full((4, 4, 3), (255, 0, 0)), cut=cut)
+    (mesh,) = scene.meshes
+    assert is_red(scene) and mesh.cutoff == 0.5 and mesh.texture is not None
+    assert mesh.texture.array[0, 0, 3] == 0 and mesh.texture.array[2, 2, 3] == 255
+    missing = quad_obj(tmp_path, "Kd 1 0 0\nmap_d none.png\n")
+    assert missing.drawn and any("none.png" in line for line in missing.warnings)
+
+
+def test_scale_and_offset_of_a_map_are_applied(tmp_path: Path) -> None:
+    """uv x scale + offset, v upwards; -clamp too."""
+    (mesh,) = quad_obj(tmp_path, "map_Kd -s 2 3 1 -o 0.25 0.5 -clamp on wood.png\n", wood=np.zeros((4, 4, 3))).meshes
+    assert mesh.uv is not None and mesh.texture is not None and mesh.texture.wrap == ("clamp", "clamp")
+    assert {tuple(row) for row in mesh.uv.round(6).tolist()} == {(0.25, 0.5), (2.25, 0.5), (0.25, -2.5), (2.25, -2.5)}

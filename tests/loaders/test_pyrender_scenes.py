@@ -13,8 +13,9 @@ import ssao_gl as ao
 from ssao_gl.loaders.as_scene import as_camera, as_scene
 from ssao_gl.loaders.pyrender_scenes import camera_from_pyrender, from_pyrender
 from ssao_gl.scene.camera import Orthographic, Perspective
-from ssao_gl.scene.material import colors_at_vertices
 from ssao_gl.scene.model import Mesh, Scene
+
+from ..colors import colors_at_vertices
 
 os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
 try:
@@ -105,8 +106,7 @@ def test_a_texture_is_sampled_at_the_vertices() -> None:
     uv = np.array([[0.1, 0.9], [0.9, 0.1], [0.1, 0.1]])
     mesh = pyrender.Mesh([pyrender.Primitive(positions=np.eye(3), texcoord_0=uv, material=material, mode=4)])
     (draw,) = from_pyrender(scene_of(mesh)).meshes
-    found = colors_at_vertices(draw)[1]
-    assert found is not None and found.tolist() == [[255, 0, 0, 255], [0, 0, 255, 255], [0, 0, 0, 255]]
+    assert colors_at_vertices(draw).tolist() == [[255, 0, 0, 255], [0, 0, 255, 255], [0, 0, 0, 255]]
 
 
 def test_invisible_meshes_and_strays_are_left_out() -> None:

@@ -19,11 +19,11 @@ from ssao_gl.errors import SceneError
 from ssao_gl.loaders.load import load_scene as load_mesh_file
 from ssao_gl.loaders.trimesh_scenes import from_trimesh
 from ssao_gl.scene.camera import Orthographic, Perspective
-from ssao_gl.scene.material import colors_at_vertices
 from ssao_gl.scene.model import Mesh, Scene
 from ssao_gl.scene.srgb import encode
 from ssao_gl.scene.vertex_normals import crease_normals, weld
 
+from ..colors import colors_at_vertices
 from ..scene_files import binary, glb, tree, zipped
 
 SUFFIXES = ["glb", "obj", "ply", "stl", "off"]
@@ -277,8 +277,7 @@ def painted_square() -> trimesh.Trimesh:
 
 
 def by_place(draw: Mesh) -> dict[tuple[float, ...], tuple[int, ...]]:
-    color, found = colors_at_vertices(draw)
-    assert found is not None and color == (1, 1, 1)
+    found = colors_at_vertices(draw)
     return {tuple(map(float, p)): tuple(map(int, c)) for p, c in zip(draw.positions, found, strict=True)}
 
 
