@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..glsl.preprocess import Define
 from ..graph.draws import DrawScene
 from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, NORMAL, SHADING_NORMAL
+from ..scene.bounds import named_positions
 from ..scene.camera import Camera
 from ..scene.model import Mesh, Scene
 from ..scene.projection import Matrix, ViewConstants
@@ -61,7 +62,8 @@ class SceneBuffers:
         count = len(mesh.positions)
         # Vertices about the middle of the mesh, transforms about the middle of the scene: differences of large
         # coordinates are taken here, in 64-bit.
-        middle = (mesh.positions.min(0).astype(np.float64) + mesh.positions.max(0)) / 2
+        named = named_positions(mesh)
+        middle = (named.min(0).astype(np.float64) + named.max(0)) / 2
         place = mesh.transforms.copy()
         place[:, :3, 3] += place[:, :3, :3] @ middle - self._center
         buffers: dict[str, tuple[Any, str]] = {
@@ -98,10 +100,12 @@ class SceneBuffers:
         to_view = np.asarray(np.linalg.inv(camera.pose), np.float64)
         from_center = to_view.copy()
         from_center[:3, 3] += to_view[:3, :3] @ self._center
-        projection = fit_depth_range(view, *self._depth_range(from_center))
+        nearest, farthest = self._depth_range(from_center)
+        projection = fit_depth_range(view, nearest, farthest)
         if stiff := log_depth(view, projection):
             projection, u_log = stiff
             uniforms, defines = {**uniforms, "u_log": u_log}, {**defines, "LOG_DEPTH": 1}
+        projection = projection * _near_one(view.w1 * farthest + view.w0)
         shared = {
             "u_view": tuple(from_center.T.ravel()),
             "u_projection": tuple(projection.T.ravel()),
@@ -158,6 +162,11 @@ def fit_depth_range(view: ViewConstants, nearest: float, farthest: float) -> Mat
     slope = (w[far] + w[near]) / (far - near)
     m[2] = (0, 0, -slope, -w[near] - slope * near)
     return m
+
+
+def _near_one(w: float) -> float:
+    """Return the power of two that brings clip coordinates with this w near 1: some drivers square them."""
+    return math.ldexp(1.0, -min(max(math.frexp(w)[1], -1000), 1000)) if w and math.isfinite(w) else 1.0
 
 
 def log_depth(view: ViewConstants, projection: Matrix) -> tuple[Matrix, tuple[float, float]] | None:

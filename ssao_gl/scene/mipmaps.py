@@ -52,9 +52,9 @@ def _halved(light: F32, axis: int) -> F32:
         return light
     light = np.moveaxis(light, axis, 0)
     if n % 2 == 0:
-        out = (light[0::2] + light[1::2]) / 2
+        halved: F32 = (light[0::2] + light[1::2]) * np.float32(0.5)
     else:
         first = (np.arange(half, 0, -1, dtype=np.float32)).reshape(-1, *[1] * (light.ndim - 1))
         last = (half + 1) - first
-        out = (first * light[0:-1:2] + np.float32(half) * light[1::2] + last * light[2::2]) / np.float32(n)
-    return np.moveaxis(out, 0, axis)
+        halved = (first * light[0:-1:2] + np.float32(half) * light[1::2] + last * light[2::2]) / np.float32(n)
+    return np.moveaxis(halved, 0, axis)

@@ -1,6 +1,6 @@
 """The named cases. Importing this package fills the table; groups stand in the order of ``__all__``."""
 
-from . import absent, cameras, formats, images, invariances, meshes, normals, radii, sizes, surfaces, texels
+from . import absent, cameras, formats, images, invariances, meshes, normals, odd_scenes, radii, sizes, surfaces, texels
 
 __all__ = [
     "surfaces",
@@ -11,6 +11,7 @@ __all__ = [
     "texels",
     "normals",
     "meshes",
+    "odd_scenes",
     "invariances",
     "images",
     "absent",
