@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path, PurePosixPath
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 from trimesh.exchange.load import mesh_formats
 
 from ..errors import SceneError, near_miss
@@ -24,6 +25,8 @@ from .notes import Notes
 from .read_options import ReadOptions
 from .resolver import Fetch, FolderResolver, in_archive, in_folder
 from .stl_colors import face_colors
+from .threemf_colors import object_colors
+from .trimesh_materials import TrimeshLooks
 from .trimesh_scenes import meshes_of
 from .xml_checks import check_3mf, check_dae
 
@@ -112,6 +115,7 @@ class _Reader:
     def _by_trimesh(self, file: BinaryIO, kind: str, size: int, beside: FolderResolver) -> list[Mesh]:
         beside.edit = partial(without_options, notes=self.notes)
         header = file.read(80)
+        colors: list[tuple[int, NDArray[np.uint8] | None]] = []
         file.seek(0)
         if kind in CHECKS:
             file = CHECKS[kind](file, size)
@@ -120,16 +124,20 @@ class _Reader:
         else:
             files = unzip(file, self.packed)
             (check_3mf if kind == "3mf" else _check_zae)(files)
+            colors = object_colors(files, self.notes) if kind == "3mf" else []
             file = rezip(files)
         # Unprocessed: trimesh would hide indices below 0, drop triangles with NaN, and weld whatever is closer than 1e-8 units.
         scene = trimesh.load_scene(file, file_type=kind, resolver=beside, allow_remote=False, process=False)
+        if kind == "3mf":
+            _paint(list(scene.geometry.values()), colors, self.notes)
         if kind == "stl":
             for mesh in scene.geometry.values():
                 words = mesh.face_attributes.get("stl") if isinstance(mesh, trimesh.Trimesh) else None
-                colors = None if words is None else face_colors(header, np.asarray(words, np.uint16))
-                if colors is not None:
-                    mesh.visual.face_colors = colors
-        return meshes_of(scene, self.options, self.notes, soup=True, beside=beside)
+                found = None if words is None else face_colors(header, np.asarray(words, np.uint16))
+                if found is not None:
+                    mesh.visual.face_colors = found
+        looks = TrimeshLooks(self.notes, beside, encoded=kind in ("dae", "zae"))
+        return meshes_of(scene, self.options, self.notes, soup=True, looks=looks)
 
     def archive(self, files: Mapping[str, bytes], fetch: Fetch | None = None) -> Loaded:
         """All meshes of an archive in one scene; ``fetch`` finds what they name, None: in the archive."""
@@ -151,6 +159,17 @@ class _Reader:
         return Loaded(
             [mesh for part in parts for mesh in part.meshes], parts[0].kind, [c for part in parts for c in part.cameras]
         )
+
+
+def _paint(meshes: list[Any], colors: list[tuple[int, NDArray[np.uint8] | None]], notes: Notes) -> None:
+    """Give the objects of a 3MF file, in their order, the colours of their triangles."""
+    known: list[Any] = [mesh for mesh in meshes if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
+    if [len(mesh.faces) for mesh in known] == [count for count, _ in colors]:
+        for mesh, (_, found) in zip(known, colors, strict=True):
+            if found is not None:
+                mesh.visual.face_colors = found
+    elif any(found is not None for _, found in colors):
+        notes.add("its colours are not read, for its objects are spread over several parts")
 
 
 def _check_zae(files: Mapping[str, bytes]) -> None:

@@ -22,10 +22,11 @@ from .resolver import FolderResolver
 class TrimeshLooks:
     """Reads how meshes look; each picture is unpacked once."""
 
-    def __init__(self, notes: Notes, beside: FolderResolver | None = None) -> None:
-        """``beside``: where further pictures are found that materials name."""
+    def __init__(self, notes: Notes, beside: FolderResolver | None = None, *, encoded: bool = False) -> None:
+        """``beside``: where further pictures are found that materials name. encoded: factors are sRGB, as COLLADA's are."""
         self._notes = notes
         self._beside = beside
+        self._encoded = encoded
         self._texels = Texels()
         self._textures: dict[int, ColorTexture | None] = {}
         self._materials: dict[int, Material] = {}
@@ -65,7 +66,7 @@ class TrimeshLooks:
         if key not in self._materials:
             texture = self._texture(material, name) if textured else None
             if hasattr(material, "baseColorFactor"):
-                self._materials[key] = _physical(material, texture)
+                self._materials[key] = _physical(material, texture, self._encoded)
             else:
                 self._materials[key] = self._older(material, texture, textured, name)
         return self._materials[key]
@@ -143,10 +144,12 @@ def _place(material: Any) -> tuple[float, ...]:
     return tuple(map(float, words)) if len(words) == 5 else (1.0, 1.0, 0.0, 0.0, 0.0)
 
 
-def _physical(material: Any, texture: ColorTexture | None) -> Material:
+def _physical(material: Any, texture: ColorTexture | None, encoded: bool) -> Material:
     """A material of glTF's kind, whose factors are linear."""
     factor = material.baseColorFactor
     rgba = np.ones(4) if factor is None else _four(np.asarray(factor, np.float64) / 255)
+    if encoded:
+        rgba[:3] = decode(rgba[:3])
     mode: AlphaMode = {"MASK": "MASK", "BLEND": "BLEND"}.get(str(material.alphaMode).upper(), "OPAQUE")  # type: ignore[assignment]
     cutoff = 0.5 if material.alphaCutoff is None else float(material.alphaCutoff)
     return _made(rgba, texture, mode, cutoff, bool(material.doubleSided), one_line(getattr(material, "name", None) or "", 50))

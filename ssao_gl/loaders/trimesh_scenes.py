@@ -15,7 +15,6 @@ from .finished import finished
 from .mesh_building import MeshData, build_mesh
 from .notes import Notes
 from .read_options import ReadOptions
-from .resolver import FolderResolver
 from .trimesh_materials import TrimeshLooks
 
 if TYPE_CHECKING:
@@ -53,11 +52,11 @@ def from_trimesh(
 
 
 def meshes_of(
-    source: trimesh.Scene, options: ReadOptions, notes: Notes, *, soup: bool, beside: FolderResolver | None = None
+    source: trimesh.Scene, options: ReadOptions, notes: Notes, *, soup: bool, looks: TrimeshLooks | None = None
 ) -> list[Mesh]:
     """Return everything that can be drawn of a ``trimesh.Scene``. Raises SceneError when there is nothing.
 
-    ``beside``: where its materials' further pictures are found.
+    ``looks``: the reader of its materials, where it must know more.
     """
     import trimesh
 
@@ -65,7 +64,7 @@ def meshes_of(
     for node in source.graph.nodes_geometry:
         matrix, geometry = source.graph.get(node)
         places.setdefault(str(geometry), []).append(np.asarray(matrix, np.float64))
-    looks = TrimeshLooks(notes, beside)
+    looks = looks or TrimeshLooks(notes)
     made: list[Mesh] = []
     dropped: set[str] = set()
     for key, found in places.items():
