@@ -178,7 +178,10 @@ def log_depth(view: ViewConstants, projection: Matrix) -> tuple[Matrix, tuple[fl
     """
     if view.w0 != 0 or view.w1 == 0:
         return None
-    near, far = (-float(projection[2, 3]) / (end * view.w1 - float(projection[2, 2])) for end in (1, -1))
+    ends = [end * view.w1 - float(projection[2, 2]) for end in (1, -1)]
+    if 0 in ends:  # no range at all: everything is clipped
+        return None
+    near, far = (-float(projection[2, 3]) / end for end in ends)
     if not far > STIFF * near > 0:
         return None
     endless = projection.copy()

@@ -64,7 +64,8 @@ class _Model:
         rows = [[self._color(group, corner) for corner in corners] for group, *corners in made.corners]
         if all(color is None for row in rows for color in row):
             return None
-        return np.array([[color or WHITE for color in row] for row in rows], np.float64).mean(1).round().astype(np.uint8)
+        mean = np.mean([[color or WHITE for color in row] for row in rows], axis=1)
+        return np.asarray(mean.round(), np.uint8)
 
     def _color(self, group: str | None, index: int) -> tuple[int, ...] | None:
         colors = self.colors.get(group or "", ())

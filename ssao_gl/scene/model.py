@@ -240,7 +240,8 @@ class Scene:
         direction = math.cos(elevation) * level + math.sin(elevation) * up
         low, high = self.core
         center = self.core.mean(0)
-        half = max(float(np.linalg.norm(high - low)) / 2, 1e-30)
+        # Of a scene without extent as much as 64-bit coordinates can tell there.
+        half = max(float(np.linalg.norm(high - low)) / 2, 1e-12 * float(np.abs(center).max()), 1e-30)
         pose = look_at(direction, (0, 0, 0), up)  # about the origin: far from it, a unit is less than a float can tell
         # The distance at which every corner of the box is inside the frustum.
         local = (box_corners(low, high) - center) @ pose[:3, :3]

@@ -22,7 +22,7 @@ Files = dict[str, bytes]
 
 def seeds(scenes: Iterable[Path] = (), only: str = "") -> dict[str, Files]:
     """All of them, or those whose names are listed in ``only`` by commas, and whatever files of one's own are given."""
-    made = {**_gltf(), **_moving(), **_text(), **_ply(), **_xml(), **_exported()}
+    made = {**_gltf(), **_cut(), **_moving(), **_text(), **_ply(), **_xml(), **_exported()}
     made |= {
         "zip": {"a.zip": zipped(a__obj=made["obj"]["a.obj"], b__stl=made["stl"]["a.stl"], c__glb=made["glb"]["a.glb"])},
         "tar": {"a.tar.gz": gzip.compress(tarred("a.off", made["off"]["a.off"]), mtime=0)},
@@ -108,6 +108,21 @@ def _gltf() -> dict[str, Files]:
         "gltf embedded": {"a.gltf": json.dumps(embedded).encode()},
         "gltf": {"a.gltf": json.dumps(beside).encode(), "a.bin": chunk, "a.png": picture},
     }
+
+
+def _cut() -> dict[str, Files]:
+    """Quads with alpha from a picture of odd size: cut out, and blended with colours that have alpha too."""
+    made = {}
+    for mode, size in (("MASK", (7, 5)), ("BLEND", (1, 3))):
+        parts = Parts()
+        parts.texture(np.random.default_rng(6).integers(0, 256, (*size, 4)), wrapT=33648)
+        parts.tree["materials"][0] |= {"alphaMode": mode, "alphaCutoff": 0.6}
+        colors = parts.accessor(np.full((4, 4), 0.9, "f4"))
+        primitive = {**parts.quad(TEXCOORD_0=parts.accessor(UV), COLOR_0=colors), "material": 0}
+        made[f"glb {mode.lower()}"] = {"a.glb": parts.show(primitive)}
+    library = b"newmtl m\nKd 1 1 1\nd 0.7\nmap_Kd -s 2 2 -clamp on a.png\nmap_d a.png\n"
+    text = b"mtllib a.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
+    return made | {"obj cut": {"a.obj": text, "a.mtl": library, "a.png": png()}}
 
 
 def _moving() -> dict[str, Files]:
