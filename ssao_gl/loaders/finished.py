@@ -13,6 +13,9 @@ from ..scene.model import Mesh, Scene
 from .mesh_building import check_span
 from .notes import Notes
 
+FARTHEST = 1e30
+"""Largest coordinate of a scene in the world."""
+
 MAX_TRIANGLES = 10**9
 """More, by instances of instances, would keep a software renderer busy for hours."""
 
@@ -23,6 +26,8 @@ def finished(
     """Return the scene, with what was noted. Raises SceneError for sizes that cannot be drawn."""
     scene = Scene(meshes, cameras, up, name)
     check_span("the scene", scene.bounds)
+    if float(np.abs(scene.bounds).max()) > FARTHEST:
+        raise SceneError(f"lies {float(np.abs(scene.bounds).max()):g} units from the origin; at most {FARTHEST:g}: move it")
     if scene.triangles > MAX_TRIANGLES:
         raise SceneError(f"draws {scene.triangles:,} triangles, instances counted each; at most {MAX_TRIANGLES:,} are drawn")
     blended = sum(

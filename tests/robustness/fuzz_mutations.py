@@ -139,7 +139,10 @@ def _json(content: bytes, rng: Rng) -> bytes:
         return _bytes(content, rng)
     for _ in range(int(rng.integers(1, 4))):
         _change(tree, rng)
-    text = json.dumps(tree).encode()
+    try:
+        text = json.dumps(tree).encode()
+    except ValueError:  # a value was put inside itself
+        return _bytes(content, rng)
     if not packed:
         return text
     text += b" " * (-len(text) % 4)

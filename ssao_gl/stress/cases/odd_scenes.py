@@ -49,7 +49,7 @@ def no_extent(lab: CaseRunner) -> float:
         [[0.85, 0, -0.5]] * 3,
         [[3e8, 3e8, 3e8]] * 3,
         [[0, 0, 0], [1, 0, 0], [2, 0, 0]],
-        [[0, 0, 0], [1e-20, 0, 0], [0, 0, 1e-20]],
+        [[0, 0, 0], [1e-17, 0, 0], [0, 0, 1e-17]],
     ):
         scene = Scene([Mesh(np.array(corners, np.float32), triangle)])
         darkest = max(darkest, lab.render(scene, scene.default_camera(), radius=None).darkest)
