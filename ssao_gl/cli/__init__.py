@@ -16,6 +16,7 @@ from cyclopts import App, CycloptsError, Parameter
 from ..errors import SettingsError, SsaoError, near_miss
 from . import signals
 from .options import settings_help
+from .planner import app as planner
 
 EXIT_INTERRUPTED = 130
 
@@ -43,14 +44,16 @@ _COMMANDS = {
 for _name, _target in _COMMANDS.items():
     app.command(_target, name=_name, help_epilogue=settings_help() if _name in ("render", "apply", "explain") else None)
 
+app.command(planner)
+
 
 @app.default
 def _embedded(*words: Annotated[str, Parameter(show=False)]) -> int:
     if words:
         if Path(words[0]).is_file():
             raise SettingsError(f"unknown command '{words[0]}'. Did you mean 'ssao-gl render {words[0]}'?")
-        known = ", ".join(_COMMANDS)
-        raise SettingsError(f"unknown command '{words[0]}'; there are {known}.{near_miss(words[0], _COMMANDS)}")
+        known = (*_COMMANDS, *planner.name)
+        raise SettingsError(f"unknown command '{words[0]}'; there are {', '.join(known)}.{near_miss(words[0], known)}")
     from .render import embedded
 
     return embedded()

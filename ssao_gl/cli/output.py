@@ -48,7 +48,7 @@ def progress(items: Iterable[Item], title: str, total: int) -> Iterator[Item]:
     yield from track(items, title, total, console=Console(stderr=True))
 
 
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
+def write_json(path: Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
     """Write a report, whole or not at all; ``-`` is standard output."""
     text = json.dumps(content, indent=1) + "\n"
     if str(path) == "-":
@@ -79,6 +79,11 @@ def check_json(path: Path | None) -> None:
         if str(path).startswith("-"):  # an option, after a forgotten file name
             raise SettingsError(f"--json {path}: must be a file name, or - to print")
         check_writable(path)
+
+
+def listed(texts: Iterable[str]) -> list[str]:
+    """Return the words of texts that hold several, by commas."""
+    return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 
 def parse_size(text: str) -> tuple[int, int]:

@@ -28,7 +28,7 @@ from ..scene.projection import Size
 from ..truth import Tracing
 from ..truth.settings import NORMALS
 from .options import GlOption
-from .output import QUIET, parse_size, say
+from .output import QUIET, listed, parse_size, say
 
 Listed = tuple[str, ...]
 
@@ -71,15 +71,15 @@ class SweepOptions:
 
     def sizes(self) -> list[Size]:
         """Return (width, height) of all images, in pixels. Raises SettingsError."""
-        return list(dict.fromkeys(parse_size(text) for text in _listed(self.size))) or [(1280, 720)]
+        return list(dict.fromkeys(parse_size(text) for text in listed(self.size))) or [(1280, 720)]
 
     def estimators(self) -> list[ScreenSpace]:
         """Return the methods under their presets or ranges. Raises SettingsError."""
-        return variants(_listed(self.methods), _listed(self.presets), self.set)
+        return variants(listed(self.methods), listed(self.presets), self.set)
 
     def views(self, scenes: Sequence[Path]) -> list[MeasuredView]:
         """Return the cameras of all scenes. Raises SceneError, SettingsError."""
-        return views(scenes, [name for name in _listed(self.cameras) if name != "all"], self.sizes())
+        return views(scenes, [name for name in listed(self.cameras) if name != "all"], self.sizes())
 
 
 @Parameter(name="*", group="Truth")
@@ -211,10 +211,6 @@ def _compare(before: dict[str, object], after: dict[str, object], gate: GateOpti
     for change in worse:
         say(f"worse than the limit: {change.describe()}")
     return 1 if worse else 0
-
-
-def _listed(texts: Sequence[str]) -> list[str]:
-    return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 
 def _cache(given: Path | None, output: Path) -> Path:

@@ -6,7 +6,7 @@ import logging
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -83,6 +83,12 @@ def truth(
             group="Output", negative="", help="Write settings, standard error, rays and seconds to this file; - prints them."
         ),
     ] = None,
+    bench: Annotated[
+        bool,
+        Parameter(
+            group="Rays", negative="", help="Write nothing; print how fast rays are, and how much of Embree's speed that is."
+        ),
+    ] = False,
     view: ViewOptions = ViewOptions(),
 ) -> int:
     """Trace ambient occlusion, or obscurance, of what a camera sees. The same command goes on where Ctrl-C cut it.
@@ -93,6 +99,8 @@ def truth(
         Scene file. Without it: the embedded scene.
     """
     tracing, size = rays.tracing(), view.pixels()
+    if bench:
+        return _bench(view, scene, tracing)
     check_output("-o", output, images.SUFFIXES, folder=True)
     check_json(json)
     folder = None if no_cache else _folder(cache)
@@ -105,6 +113,20 @@ def truth(
     say(f"{where}: {_summary(loaded, found)}", json)
     if json:
         write_json(json, report | _numbers(loaded, found))
+    return 0
+
+
+def _bench(view: ViewOptions, path: Path | None, tracing: Tracing) -> int:
+    """Print million rays a second by number of threads: of bare embreex calls, and of the tracer that makes the rays, too."""
+    from ..truth import surface
+    from ..truth.bench import bench
+
+    scene = view.load(path)
+    camera = view.choose(scene)
+    tracing = replace(tracing, radius=tracing.radius or camera.ao_radius or scene.default_radius())
+    for workers, (bare, traced) in bench(surface(scene, camera, view.pixels()), tracing).items():
+        threads = f"{workers} thread{'s' if workers > 1 else ''}"
+        say(f"{threads}: embreex {bare:.2f}, ssao_gl {traced:.2f} million rays/s: {100 * traced / bare:.0f} %")
     return 0
 
 
