@@ -18,6 +18,8 @@ from .sampling.disk import Kernel, Rotation
 from .scene.camera import Camera, look_at
 from .scene.model import Mesh, Scene
 
+__version__: str
+
 __all__ = [
     "Alchemy",
     "Bitmask",

@@ -14,7 +14,7 @@ from ..errors import SettingsError
 from ..io.atomic import atomic_write, check_writable
 from ..scene.projection import Size
 from .options import GlOption
-from .output import check_json, listed, parse_size, say, write_json
+from .output import check_json, comma_list, parse_size, say, write_json
 
 app = App(name="planner", help="Fit the planner's table of errors, or check how good its plans are.", show=False)
 
@@ -23,8 +23,8 @@ def _listed(text: str, *names: str) -> Parameter:
     return Parameter(name=list(names) or None, help=text, negative="", show_default=False)
 
 
-@app.command
-def fit(
+@app.command(name="fit")
+def fit_errors(
     *scenes: Path,
     output: Annotated[Path, Parameter(name=["--output", "-o"], help="JSON file for the table.")] = Path("errors.json"),
     size: Annotated[
@@ -46,7 +46,7 @@ def fit(
     from ..planner.measure import error_samples, error_table, held_out_lines, load_samples
     from ..render.renderer import Renderer
 
-    sizes: Sequence[Size] = list(dict.fromkeys(map(parse_size, listed(size)))) or [(640, 360), (1280, 720)]
+    sizes: Sequence[Size] = list(dict.fromkeys(map(parse_size, comma_list(size)))) or [(640, 360), (1280, 720)]
     if len(set(scenes)) < 2:
         raise SettingsError("planner fit: give at least two scene files; each is predicted by a fit to the others")
     kept = load_samples(rows) if rows else {}

@@ -11,13 +11,14 @@ from cyclopts import Parameter
 
 from ..render.renderer import Renderer
 from ..tiling.job import Job, draw
+from .help_pages import RARE
 from .output import progress, say
 
 TileOption = Annotated[
     int | None,
     Parameter(
         name="--tile",
-        group="Output",
+        group=RARE,
         allow_leading_hyphen=True,
         help="Draw in tiles of this many pixels a side, straight to the files; the same command goes on where it was interrupted."
         " There are no times of passes then. [default: by itself when the picture is larger than the driver's textures or takes over"

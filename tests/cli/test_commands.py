@@ -13,7 +13,8 @@ import pytest
 import trimesh
 from PIL import Image
 
-from ssao_gl.cli import _COMMANDS, main
+from ssao_gl.cli import main
+from ssao_gl.cli.help_pages import COMMANDS
 from ssao_gl.cli.options import ViewOptions
 from ssao_gl.io import images
 from ssao_gl.methods.registry import registry
@@ -101,6 +102,50 @@ def test_settings_from_everywhere(run: Any) -> None:
     settings = json.loads(Path("a.json").read_text())["settings"]
     assert settings["method"] == "lecture" and settings["blur"] == "none"
     assert settings["lecture"]["samples"] == 8 and settings["lecture"]["radius"] == 0.02
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(
+    "options",
+    [
+        (),
+        ("--method", "gtao", "--blur", "none", "--set", "shading.ambient=0.5", "--keep", "open"),
+        ("--preset", "high", "--radius", "7%", "--set", "blur.radius=3", "--set", "normals=shading"),
+    ],
+)
+def test_settings_are_dumped_and_read(options: tuple[str, ...], run: Any) -> None:
+    """What --dump-config writes gives the same file by --config."""
+    run("render", *options, "--dump-config", "a.toml", "-o", "a.png", *SIZE)
+    run("render", "--config", "a.toml", "-o", "b.png", *SIZE)
+    assert Path("a.png").read_bytes() == Path("b.png").read_bytes()
+    assert ("\nradius = " in Path("a.toml").read_text().split("[blur")[0]) == ("--radius" in options), (
+        "what is automatic stays so"
+    )
+
+
+@pytest.mark.gl
+def test_radius_as_a_share(run: Any) -> None:
+    """Of the scene's diagonal; of the image for methods whose radius is one."""
+    trimesh.creation.box((3, 4, 12)).export("box.ply")
+    for options, radius in ((("--radius", "10%"), 1.3), (("--method", "lecture", "--radius", "10%"), 0.1)):
+        run("render", "box.ply", *options, "-o", "a.png", "--json", "a.json", *SIZE)
+        settings = json.loads(Path("a.json").read_text())["settings"]
+        assert settings[settings["method"]]["radius"] == pytest.approx(radius)
+    assert "radius 1.3," in run("truth", "box.ply", "--radius", "10%", "--spp", 1, "--no-cache", "-o", "t.png", *SIZE)
+    prepare()
+    run("apply", "--depth", "d.npy", "--ortho", 3, "--radius", "10%", "-o", "a.png", "--json", "a.json")
+    radius = json.loads(Path("a.json").read_text())["settings"]["bitmask"]["radius"]
+    run("apply", "--depth", "d.npy", "--ortho", 3, "-o", "a.png", "--json", "a.json")
+    assert json.loads(Path("a.json").read_text())["settings"]["bitmask"]["radius"] == pytest.approx(0.3 * radius)
+
+
+@pytest.mark.gl
+def test_spellings_of_numbers(run: Any) -> None:
+    """Vectors and sizes by spaces or commas, and whole floats."""
+    run("render", "--eye", "5,4,3", "--target", "0,0,0", "-o", "a.png", *SIZE)
+    run("render", "--eye", 5, 4, 3, "--target", 0, 0, 0, "-o", "b.png", "--size", "64.0x48.0")
+    run("render", "--eye", 5, 4, 3, "--target", 0, 0, 0, "-o", "c.png", "--size", 64, 48)
+    assert Path("a.png").read_bytes() == Path("b.png").read_bytes() == Path("c.png").read_bytes()
 
 
 @pytest.mark.gl
@@ -279,7 +324,7 @@ def test_version(run: Any) -> None:
     assert re.match(r"\d+\.\d+", run("--version"))
 
 
-@pytest.mark.parametrize("command", [*_COMMANDS, None])
+@pytest.mark.parametrize("command", [*COMMANDS, None])
 def test_help(command: str | None, run: Any) -> None:
     """Each option says what it is; numbers of a kind say their unit, and what may be left out says what happens then."""
     out = run(*([command] if command else []), "-h")
