@@ -137,6 +137,7 @@ class GateOptions:
 def report(
     *scenes: Path,
     output: Annotated[Path, _option("Folder for the report. [default: report]", OUTPUT, "--output", "-o")] = Path("report"),
+    latex: Annotated[bool, Parameter(group=OUTPUT, negative="", help="Write the tables in LaTeX, too: report.tex.")] = False,
     what: SweepOptions = SweepOptions(),
     against: TruthOptions = TruthOptions(),
     gate: GateOptions = GateOptions(),
@@ -172,9 +173,9 @@ def report(
         rules=len(seen) <= MOST_VIEWS if what.rules is None else what.rules,
     )
     found = _measured(sweep, gl, output, _cache(against.cache, output))
-    paths = write(found, output)
+    paths = write(found, output, paper=latex)
     say(
-        f"{paths[0]}: {len(seen)} views, {len(methods)} variants; beside it {', '.join(path.name for path in paths[1:4])}, plots"
+        f"{paths[0]}: {len(seen)} views, {len(methods)} variants; beside it {', '.join(path.name for path in paths[1 : 5 + latex])}, plots"
     )
     return _compare(before, found, gate) if before is not None else 0
 
