@@ -2,6 +2,7 @@ from . import gl
 from .api import apply, normals_from_depth, occlusion, render
 from .errors import ContextError, FormatError, GraphError, SceneError, SettingsError, ShaderError, SsaoError
 from .io.srgb import multiply
+from .loaders.as_scene import as_scene
 from .loaders.load import load_scene
 from .methods.alchemy import Alchemy
 from .methods.bitmask import Bitmask
@@ -48,6 +49,7 @@ __all__ = [
     "SsaoError",
     "Target",
     "apply",
+    "as_scene",
     "compare",
     "gl",
     "load_scene",

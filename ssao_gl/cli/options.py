@@ -14,6 +14,7 @@ from cyclopts import Parameter
 
 from ..errors import SceneError, SettingsError
 from ..loaders.load import load_scene
+from ..loaders.up_axis import AXES, up_direction
 from ..pipeline.presets import read_toml, settings_from, settings_toml
 from ..pipeline.settings import CULLING_RULES, Settings
 from ..scene.camera import Camera, Lens, Orthographic, Perspective, look_at
@@ -126,7 +127,9 @@ class ViewOptions:
     ] = None
     up: Annotated[
         str | None,
-        _option("Upwards in the image: a direction x,y,z. [default: the camera's; the scene's up with --eye or --target]"),
+        _option(
+            "What is up: an axis of the file, x, y or z, or a direction x,y,z of the image. [default: the camera's, or by format]"
+        ),
     ] = None
     yfov_deg: Annotated[
         float | None, _option("Vertical field of view, degrees. [default: the camera's; 40 for an automatic one]")
@@ -141,7 +144,7 @@ class ViewOptions:
     ortho: Annotated[
         float | None, _option("Parallel projection this many scene units high. [default: the camera's projection]")
     ] = None
-    up_axis: Annotated[str, _option("Which axis of the file is up, for automatic views: x, y, z or auto.")] = "auto"
+    up_axis: Annotated[str, _option("Which axis of the file is up, for automatic views: x, y, z or auto.", rare=True)] = "auto"
     crease_deg: Annotated[
         float, _option("Meshes without normals: edges sharper than this stay sharp, degrees; 0: flat.", rare=True)
     ] = 40.0
@@ -162,16 +165,18 @@ class ViewOptions:
 
     def load(self, path: Path | None) -> Scene:
         """Return the scene file, or the embedded scene. Raises SceneError, SettingsError."""
+        axis = self.up if self.up is not None and self.up in AXES else self.up_axis
         if path is None:
             from ..scene.sample_scene import default_scene
 
-            return default_scene()
+            scene = default_scene()
+            return scene if axis == "auto" else dataclasses.replace(scene, up=up_direction(axis))
         if not 0 <= self.crease_deg <= 180:
             raise SettingsError(f"--crease-deg {self.crease_deg:g}: must be 0 to 180")
         if self.point_size is not None and not 0 < self.point_size < math.inf:
             raise SettingsError(f"--point-size {self.point_size:g}: must be above 0 (scene units)")
         scene = load_scene(
-            path, crease=math.radians(self.crease_deg), up=self.up_axis,
+            path, crease=math.radians(self.crease_deg), up=axis,
             animation=self.animation, time=self.time, point_size=self.point_size,
         )  # fmt: skip
         if self.strict and scene.warnings:
@@ -188,10 +193,12 @@ class ViewOptions:
         else:
             base = scene.cameras[0] if scene.cameras else scene.default_camera(size)
         pose = base.pose
-        if self.eye is not None or self.target is not None or self.up is not None:
+        automatic = self.camera is None and not scene.cameras
+        turned = self.up is not None and not (automatic and self.up in AXES)  # an axis is in the scene already
+        if self.eye is not None or self.target is not None or turned:
             eye = pose[:3, 3] if self.eye is None else parse_vector("eye", self.eye)
             target = scene.bounds.mean(0) if self.target is None else parse_vector("target", self.target)
-            up = scene.up if self.up is None else parse_vector("up", self.up)
+            up = scene.up if self.up is None or self.up in AXES else parse_vector("up", self.up)
             pose = look_at(eye, target, up)
         return dataclasses.replace(base, lens=self._lens(base, scene, pose), pose=pose)
 

@@ -119,5 +119,6 @@ def parse_vector(name: str, text: str) -> tuple[float, float, float]:
     try:
         x, y, z = (float(part) for part in parts)
     except ValueError:
-        raise SettingsError(f"--{name} {text}: must be three numbers, like 1,2.5,-3") from None
+        axis = ", or an axis: x, y or z" if name == "up" else ""
+        raise SettingsError(f"--{name} {text}: must be three numbers, like 1,2.5,-3{axis}") from None
     return x, y, z

@@ -30,7 +30,7 @@ from .help_pages import OUTPUT, RARE
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, progress, say, write_json
 from .plan_options import PlanOptions, compared, drawn_at_once, expected
-from .tile_options import TileOption, draw_tiles, picture_line
+from .tile_options import TileOption, draw_tiles, rendered_line
 
 ANIMATIONS = (".gif", ".webp", ".apng")
 TIMED_FRAMES = 5
@@ -44,6 +44,12 @@ class PictureOptions:
     output: Annotated[
         Path, Parameter(name=["--output", "-o"], help="PNG, NPY or EXR file, or a folder for all AOVs as NPY and PNG.")
     ] = Path("ssao.png")
+    background: Annotated[
+        str | None,
+        Parameter(
+            help="Behind the scene in the image: #rrggbb, white, black or transparent (RGBA). [default: the scene's, else grey blue]"
+        ),
+    ] = None
     aov: Annotated[
         str | None,
         Parameter(
@@ -59,6 +65,13 @@ class PictureOptions:
     ] = 0
     tile: TileOption = None
     json: JsonOption = None
+
+    def with_background(self, settings: Settings) -> Settings:
+        """Return settings with the background that was asked for. Raises SettingsError."""
+        if self.background is None:
+            return settings
+        shading = dataclasses.replace(settings.shading, background=self.background)
+        return dataclasses.replace(settings, shading=shading)
 
     def aovs(self) -> tuple[str, ...]:
         """Return what is written. Raises SettingsError, FormatError for what cannot be, before anything is drawn."""
@@ -87,7 +100,7 @@ def render(
     scene
         GLB, glTF, OBJ, PLY, STL, OFF or another format of trimesh. Without it: the embedded scene.
     """
-    settings, target = look.settings(), goal.target(look)
+    settings, target = to.with_background(look.settings()), goal.target(look)
     size, aovs = view.pixels(), to.aovs()
     loaded = view.load(scene)
     settings = look.settled(settings, loaded.default_radius)
@@ -96,7 +109,7 @@ def render(
         if to.turntable:
             look.dump(_turn(renderer, loaded, camera, size, settings, target, aovs, to))
             return 0
-        settled = settings.with_radius(camera.ao_radius or loaded.default_radius())
+        settled = settings.settled(camera.ao_radius or loaded.default_radius(), loaded.background)
         cut = layout(loaded, camera, size, settled, aovs, tile=to.tile, limit=renderer.ctx.max_size)
         drawn_at_once(target, cut)
         if cut is not None:
@@ -144,7 +157,7 @@ def _check_output(output: Path, turntable: int, bits: int) -> None:
 
 def _save(picture: Picture, to: PictureOptions) -> None:
     aov = next(iter(picture.arrays)) if len(picture.arrays) == 1 else None
-    say(picture_line(to.output, picture.save(to.output, aov=aov, bits=to.bits), picture.report), to.json)
+    say(rendered_line(to.output, picture.save(to.output, aov=aov, bits=to.bits), picture.report), to.json)
     if "planned" in picture.report:
         say(compared(picture.report["planned"]), to.json)
 

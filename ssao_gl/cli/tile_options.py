@@ -38,11 +38,11 @@ def draw_tiles(renderer: Renderer, job: Job, json: Path | None) -> Mapping[str, 
         if job.folder.exists():
             log.warning("the tiles so far are kept in %s; the same command goes on from there", job.folder)
         raise
-    say(picture_line(job.output, paths, report), json)
+    say(rendered_line(job.output, paths, report), json)
     return report
 
 
-def picture_line(output: Path, paths: Sequence[Path], report: Mapping[str, Any]) -> str:
+def rendered_line(output: Path, paths: Sequence[Path], report: Mapping[str, Any]) -> str:
     """Return what was rendered into which files, on one line."""
     where = str(paths[0]) if len(paths) == 1 else f"{output}{'' if str(output).endswith('/') else '/'} ({len(paths)} files)"
     settings, seconds, tiles = report["settings"], report["seconds"], report.get("tiles")

@@ -113,7 +113,8 @@ class Renderer:
         made, frame, seen = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
         drawn = frame.run(made.view, scene=seen, region=made.region, checked=checked)
-        arrays = {name: read_aov(drawn, name) for name in aovs}
+        seen_through = made.settings.shading.background_rgba[3] < 1
+        arrays = {name: read_aov(drawn, name, alpha=name == "image" and seen_through) for name in aovs}
         self._check("drawing")
         report = self._report(made.settings, size, frame, time.perf_counter() - started)
         report |= time_passes(frame, timed, made.view, scene=seen, region=made.region)

@@ -140,6 +140,52 @@ def test_radius_as_a_share(run: Any) -> None:
 
 
 @pytest.mark.gl
+@pytest.mark.parametrize("more", [(), ("--tile", 64)])
+def test_transparent_background(more: tuple[Any, ...], run: Any) -> None:
+    """RGBA in PNG and in arrays, at once and in tiles."""
+    trimesh.creation.icosphere(3).export("ball.ply")
+    wide = ("--size", "160x120", "--background", "transparent")
+    run("render", "ball.ply", "-o", "out/", "--aov", "image,depth", *wide, *more)
+    image, depth = np.load("out/image.npy"), np.load("out/depth.npy")
+    assert image.shape == (120, 160, 4) and np.array_equal(image[..., 3] == 255, depth > 0) and (image[depth == 0] == 0).all()
+    assert np.array_equal(images.load_image("out/image.png"), image)
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("suffix", ["gif", "webp", "apng"])
+def test_transparent_turntable(suffix: str, run: Any) -> None:
+    trimesh.creation.icosphere(3).export("ball.ply")
+    run("render", "ball.ply", "--turntable", 2, "-o", f"turn.{suffix}", "--background", "transparent", *SIZE)
+    with Image.open(f"turn.{suffix}") as image:
+        alpha = np.asarray(image.convert("RGBA"))[..., 3]
+    assert alpha[0, 0] == 0 and alpha[24, 32] == 255
+
+
+@pytest.mark.gl
+def test_old_background(run: Any) -> None:
+    run("render", "--background", "white", "-o", "a.png", *SIZE)
+    run("render", "-o", "b.png", *SIZE)
+    white, calm = images.load_image("a.png"), images.load_image("b.png")
+    changed = (white != calm).any(-1)
+    assert (white[changed] == 255).all() and (calm[changed] == [0x9A, 0xA5, 0xB1]).all() and changed.any()
+
+
+def test_up_by_an_axis(tmp_path: Path) -> None:
+    """``--up z`` stands the file on its z axis, whichever camera looks at it."""
+    trimesh.creation.cylinder(0.5, 3).export(tmp_path / "part.obj")
+    trimesh.creation.cylinder(0.5, 3).export(tmp_path / "part.stl")
+
+    def pose(name: str, **options: Any) -> Any:
+        view = ViewOptions(size="64x48", **options)
+        return view.choose(view.load(tmp_path / name)).pose
+
+    assert pose("part.obj", up="z") == pytest.approx(pose("part.stl"), abs=1e-6) == pose("part.obj", up_axis="z")
+    assert pose("part.stl", up="y") == pytest.approx(pose("part.obj"), abs=1e-6)
+    assert pose("part.obj", up="z", eye="5,4,3") == pytest.approx(pose("part.obj", up="0,0,1", eye="5,4,3"))
+    assert pose("part.obj", up="z")[2, 1] > 0.8 and pose("part.obj", up="x")[0, 1] > 0.8
+
+
+@pytest.mark.gl
 def test_spellings_of_numbers(run: Any) -> None:
     """Vectors and sizes by spaces or commas, and whole floats."""
     run("render", "--eye", "5,4,3", "--target", "0,0,0", "-o", "a.png", *SIZE)
