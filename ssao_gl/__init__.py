@@ -4,6 +4,8 @@ Start with ``render`` (scenes), ``apply`` and ``occlusion`` (arrays), ``Effect``
 listed in ``__init__.pyi``; each is imported on first use, so that importing the package costs next to nothing.
 """
 
+import sys
+from types import ModuleType
 from typing import Any
 
 import lazy_loader
@@ -15,7 +17,11 @@ _RENAMED = {"Draw": "Mesh"}
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name; warn of one that was renamed."""
+    """Import a public name, or look up the version; warn of a name that was renamed."""
+    if name == "__version__":
+        import importlib.metadata
+
+        return importlib.metadata.version("ssao_gl")  # which reads a file
     if name in _RENAMED:
         import warnings
 
@@ -23,3 +29,14 @@ def __getattr__(name: str) -> Any:
         warnings.warn(f"ssao_gl.{name} is called ssao_gl.{now} now; the old name goes in 0.3", DeprecationWarning, stacklevel=2)
         return _public(now)
     return _public(name)
+
+
+class _Package(ModuleType):
+    """This package, whose ``render`` stays the function when the room of that name is imported."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name != "render" or not isinstance(value, ModuleType):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

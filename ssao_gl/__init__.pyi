@@ -2,6 +2,7 @@ from . import gl
 from .api import apply, normals_from_depth, occlusion, render
 from .errors import ContextError, FormatError, GraphError, SceneError, SettingsError, ShaderError, SsaoError
 from .io.srgb import multiply
+from .loaders.as_scene import as_scene
 from .loaders.load import load_scene
 from .methods.alchemy import Alchemy
 from .methods.bitmask import Bitmask
@@ -17,6 +18,8 @@ from .render.renderer import Renderer
 from .sampling.disk import Kernel, Rotation
 from .scene.camera import Camera, look_at
 from .scene.model import Mesh, Scene
+
+__version__: str
 
 __all__ = [
     "Alchemy",
@@ -46,6 +49,7 @@ __all__ = [
     "SsaoError",
     "Target",
     "apply",
+    "as_scene",
     "compare",
     "gl",
     "load_scene",

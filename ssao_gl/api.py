@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ def render(
     method: Method | str | None = None,
     blur: Filter | str | None = "joint",
     shading: Shading | None = None,
-    aovs: tuple[str, ...] = ("image", "visibility"),
+    aovs: str | Sequence[str] = ("image", "visibility"),
     provider: str | Context = "auto",
     budget_ms: float | None = None,
     max_error: float | None = None,
@@ -43,7 +44,8 @@ def render(
 
     scene: a path, a :class:`Scene`, a ``trimesh`` mesh or scene, or a ``pyrender.Scene``. camera: a :class:`Camera`, a camera
     file, or None for the scene's own or an automatic one. size: (width, height) in pixels. aovs: any of image,
-    visibility, depth, normal, bent, color. budget_ms, max_error: method and options are chosen; see :func:`ssao_gl.plan`.
+    visibility, depth, normal, bent, color; or one text with names by commas. shading: light and background, ``Shading(background="white")``;
+    with ``"transparent"`` the image is RGBA. budget_ms, max_error: method and options are chosen; see :func:`ssao_gl.plan`.
     """
     drawn = as_scene(scene)
     target = Target(budget_ms=budget_ms, max_error=max_error) if (budget_ms, max_error) != (None, None) else None

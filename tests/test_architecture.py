@@ -48,6 +48,12 @@ def test_libraries_stay_in_their_places(path: Path) -> None:
             assert place == home, f"{library} is for {home}/"
 
 
+def test_render_is_the_function_whatever_was_imported() -> None:
+    import ssao_gl.render.renderer  # noqa: F401 - which has the name of the function
+
+    assert callable(ao.render) and ao.render.__module__ == "ssao_gl.api"
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.relative_to(PACKAGE).as_posix())
 def test_no_shader_text_in_python(path: Path) -> None:
     assert not re.search(r"#version \d|gl_FragColor|gl_Position", path.read_text())

@@ -15,7 +15,9 @@ from cyclopts import App, CycloptsError, Parameter
 
 from ..errors import SettingsError, SsaoError, near_miss
 from . import signals
-from .options import settings_help
+from .help_pages import ALL, COMMANDS, EXAMPLES, HELP_ALL, OF_METHODS
+from .planner import app as planner
+from .tokens import joined_numbers
 
 EXIT_INTERRUPTED = 130
 
@@ -23,25 +25,18 @@ app = App(
     name="ssao-gl",
     help="Screen-space ambient occlusion on OpenGL ES. Without arguments: renders the embedded scene to ssao.png.",
     help_format="plaintext",
+    help_epilogue=EXAMPLES,
     result_action="return_value",
     suppress_keyboard_interrupt=False,
 )
+app.register_install_completion_command(help="Install completion of commands and options for your shell.")
 app.meta.suppress_keyboard_interrupt = False
-_COMMANDS = {
-    "render": "ssao_gl.cli.render:render",
-    "apply": "ssao_gl.cli.apply:apply",
-    "compare": "ssao_gl.cli.compare:compare",
-    "explain": "ssao_gl.cli.explain:explain",
-    "methods": "ssao_gl.cli.explain:methods",
-    "shader": "ssao_gl.cli.shader:shader",
-    "doctor": "ssao_gl.cli.doctor:doctor",
-    "truth": "ssao_gl.cli.truth:truth",
-    "bench": "ssao_gl.cli.bench:bench",
-    "report": "ssao_gl.cli.report:report",
-    "stress": "ssao_gl.cli.stress:stress",
-}
-for _name, _target in _COMMANDS.items():
-    app.command(_target, name=_name, help_epilogue=settings_help() if _name in ("render", "apply", "explain") else None)
+for _name, (_target, _help) in COMMANDS.items():
+    app.command(
+        _target, name=_name, help=_help, help_epilogue=OF_METHODS if _name in ("render", "apply", "explain", "bench") else ""
+    )
+
+app.command(planner)
 
 
 @app.default
@@ -49,8 +44,8 @@ def _embedded(*words: Annotated[str, Parameter(show=False)]) -> int:
     if words:
         if Path(words[0]).is_file():
             raise SettingsError(f"unknown command '{words[0]}'. Did you mean 'ssao-gl render {words[0]}'?")
-        known = ", ".join(_COMMANDS)
-        raise SettingsError(f"unknown command '{words[0]}'; there are {known}.{near_miss(words[0], _COMMANDS)}")
+        known = (*COMMANDS, *planner.name)
+        raise SettingsError(f"unknown command '{words[0]}'; there are {', '.join(known)}.{near_miss(words[0], known)}")
     from .render import embedded
 
     return embedded()
@@ -79,7 +74,11 @@ def _launch(
 
 def main(arguments: list[str] | None = None) -> None:
     """Entry point of ``ssao-gl``: exits with 0, 1 (a comparison failed), 2 (bad input), 3 (no OpenGL) or 130 (Ctrl-C)."""
-    tokens = sys.argv[1:] if arguments is None else arguments
+    tokens = joined_numbers(sys.argv[1:] if arguments is None else arguments)
+    ALL.set(HELP_ALL in tokens)
+    if tokens[:1] == ["help"]:
+        tokens = [*tokens[1:], "--help"]
+    tokens = ["--help" if token == HELP_ALL else token for token in tokens]
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(

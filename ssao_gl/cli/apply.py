@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from ..errors import FormatError, SettingsError
 from ..io import images
-from ..pipeline.settings import Settings, Shading
 from ..planner import apply_planned
+from ..render.arrays import check_arrays, radius_of
 from ..render.picture import Picture
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.projection import Size
+from .help_pages import OUTPUT
 from .options import GlOption, JsonOption, LookOptions, angle
 from .output import check_json, check_output, say, write_json
 from .plan_options import PlanOptions, compared
@@ -70,7 +71,7 @@ class DepthOptions:
         return Camera.pinhole(fx, fy, cx, cy, size, znear=self.znear, zfar=far)
 
 
-@Parameter(name="*", group="Output")
+@Parameter(name="*", group=OUTPUT)
 @dataclass(frozen=True, kw_only=True)
 class AppliedOptions:
     """What is written, and where."""
@@ -127,11 +128,14 @@ def apply(
     target = goal.target(look)  # is checked before anything is read
     if not 0 <= strength <= 1:
         raise SettingsError(f"--strength {strength:g}: must be 0 to 1")
-    settings = dataclasses.replace(Settings(), method=settings.method, blur=settings.blur, shading=Shading(ambient=strength))
+    settings = dataclasses.replace(settings, shading=dataclasses.replace(settings.shading, ambient=strength))
     to.check()
     seen, normal, picked = _read(color, given.depth, given.normals)
     h, w = seen.shape[:2]
     camera = given.camera((w, h))
+    settings = look.settled(
+        settings, lambda share: radius_of(check_arrays(seen, None, None)[0], camera, given.depth_kind, share)
+    )
     aovs = ("visibility", "depth", "normal", *(("bent",) if to.aov == "bent" else ()))
     with Renderer(gl) as renderer:
         picture = apply_planned(
@@ -139,6 +143,7 @@ def apply(
             timed=TIMED_FRAMES if to.json else 0,
         )  # fmt: skip
     to.save(picture, colored=color is not None)
+    look.dump(settings, picture.report["settings"] if target else None)
     return 0
 
 

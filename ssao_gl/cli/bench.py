@@ -42,11 +42,13 @@ def bench(
     """
     settings, size = look.settings(), view.pixels()
     loaded = view.load(scene)
+    settings = look.settled(settings, loaded.default_radius)
     camera = view.choose(loaded)
     with Renderer(gl) as renderer:
         passes = _passes(renderer, loaded, camera, size, settings, max(rounds, 1))
         host = _host(renderer, loaded, camera, settings)
         where = f"{renderer.ctx.provider}, {renderer.ctx.renderer}"
+    look.dump(settings)
     lecture = passes["lecture (4 taps)"][0]
     bare = passes["G-buffer"][0]
     print_table(

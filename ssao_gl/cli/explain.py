@@ -10,22 +10,20 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from .. import planner
-from ..errors import SettingsError, near_miss
+from ..errors import SettingsError
 from ..experiment.culling_savings import FRAMES, benchmark_rules
-from ..methods.registry import registry
-from ..passes.denoise import FILTERS
 from ..pipeline.build import plan_render
 from ..pipeline.explain import plan_memory, rule_statuses
 from ..pipeline.frame_setup import FrameSetup, frame_setup
+from ..pipeline.outputs import aov_names
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
-from ..settings import limits
 from ..tiling.layout import USUAL_LIMIT, Layout, layout, unguarded
 from .explain_text import Explained
 from .options import GlOption, LookOptions, ViewOptions
-from .output import print_table, say
+from .output import say
 from .plan_options import PlanOptions, drawn_at_once, listed, tell
 from .tile_options import TileOption
 
@@ -59,8 +57,9 @@ def explain(
         raise SettingsError(f"--rounds {rounds}: must be at least 1")
     settings, target, size = look.settings(), goal.target(look), view.pixels()
     loaded = view.load(scene)
+    settings = look.settled(settings, loaded.default_radius)
     camera = view.choose(loaded)
-    aovs = tuple(part.strip() for part in aov.split(","))
+    aovs = aov_names(aov)
     made, choice = frame_setup(loaded, camera, size, settings, USUAL_LIMIT), None
     if target:
         drawn_at_once(target, layout(loaded, camera, size, made.settings, aovs, tile=tile))
@@ -70,6 +69,7 @@ def explain(
     cut = layout(loaded, camera, size, made.settings, aovs, tile=tile)
     if cut and measure:
         raise SettingsError("--measure: a picture in tiles is not drawn at once; choose a smaller --size, and no --tile")
+    look.dump(choice.settings if choice else settings)
     found = _explained(loaded, camera, size, made, cut, aovs)
     if measure:
         with Renderer(gl, keep=FRAMES) as renderer:
@@ -92,30 +92,3 @@ def _explained(
     plan = plan_render(settings, outer, aovs, triangles=made.triangles)
     memory = plan_memory(settings, cut.outer if cut else size, plan)
     return Explained(scene, camera, made, plan, cut, memory, rule_statuses(made, plan), [], "")
-
-
-def methods(name: str | None = None) -> int:
-    """List the AO methods and filters with their settings, units and ranges.
-
-    Parameters
-    ----------
-    name
-        Only this one.
-    """
-    kinds = {**registry(), **{f"blur {key}": kind for key, kind in FILTERS.items()}}
-    if name is not None:
-        chosen = {key: kind for key, kind in kinds.items() if name in (key, key.removeprefix("blur "))}
-        if not chosen:
-            raise SettingsError(f"unknown method or filter '{name}'; there are {', '.join(kinds)}.{near_miss(name, kinds)}")
-        kinds = chosen
-    for key, kind in kinds.items():
-        say(f"{key}: {(kind.__doc__ or '').strip().splitlines()[0]}")
-        rows = [
-            (f.name, "auto" if f.default is None else str(f.default), limits(f).unit, limits(f).describe(), limits(f).doc)
-            for f in dataclasses.fields(kind)  # type: ignore[arg-type]
-        ]
-        print_table("", ("setting", "default", "unit", "range", "what it is"), rows)
-        known = registry()[key].exceptions if key in registry() else {}
-        for contract, deviation in known.items():
-            say(f"  by its definition it breaks '{contract}' (bound {deviation.bound:g}): {deviation.reason}")
-    return 0

@@ -4,32 +4,35 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from cyclopts import Parameter
 
 from ..errors import SceneError, SettingsError
 from ..loaders.load import load_scene
-from ..methods.registry import registry
-from ..passes.denoise import FILTERS
-from ..pipeline.presets import read_toml, settings_from
-from ..pipeline.settings import CULLING_RULES, Settings, Shading
+from ..loaders.up_axis import AXES, up_direction
+from ..pipeline.presets import read_toml, settings_from, settings_toml
+from ..pipeline.settings import CULLING_RULES, Settings
 from ..scene.camera import Camera, Lens, Orthographic, Perspective, look_at
 from ..scene.model import Scene
 from ..scene.projection import Matrix, Size
-from ..settings import limits, title
-from .output import parse_size, parse_vector
+from ..settings import assign
+from .help_pages import OCCLUSION, OUTPUT, RARE, VIEW
+from .output import check_output, check_radius, parse_size, parse_vector, write_text
+from .tokens import parse_share
 
 
-def _option(text: str) -> Parameter:
+def _option(text: str, *, rare: bool = False) -> Parameter:
     # Numbers may be negative, and x,y,z that begin with a minus are no option.
-    return Parameter(help=text, negative="", allow_leading_hyphen=True)
+    plain = Parameter(help=text, negative="", allow_leading_hyphen=True)
+    return Parameter.combine(plain, Parameter(group=RARE)) if rare else plain
 
 
-@Parameter(name="*", group="Occlusion")
+@Parameter(name="*", group=OCCLUSION)
 @dataclass(frozen=True, kw_only=True)
 class LookOptions:
     """Which method, which filter, and their settings."""
@@ -39,16 +42,19 @@ class LookOptions:
         str | None, _option("How much time for how little error: draft, low, medium, high or ultra. [default: medium]")
     ] = None
     radius: Annotated[
-        float | None,
-        _option("Reach of occlusion, scene units. [default: the camera file's ao_radius, else a share of the scene]"),
+        str | None,
+        _option(
+            "Reach of occlusion in scene units, or a share of the scene's size, like 10%."
+            " [default: the camera file's ao_radius, else 3%]"
+        ),
     ] = None
-    samples: Annotated[int | None, _option("Taps a pixel. [default: the method's]")] = None
+    samples: Annotated[int | None, _option("Taps a pixel, of methods that count them. [default: the method's]")] = None
     blur: Annotated[str | None, _option("Filter: none, lecture, separable or joint. [default: joint]")] = None
     set: Annotated[
         tuple[str, ...],
         Parameter(
             name="--set",
-            help="Any setting below, as key=value or group.key=value; may be repeated.",
+            help="Any setting of the method, as key=value, or of another group, as group.key=value; may be repeated.",
             negative="",
             show_default=False,
         ),
@@ -57,29 +63,55 @@ class LookOptions:
         tuple[str, ...],
         Parameter(
             name="--keep",
+            group=RARE,
             help=f"A rule of leaving out to switch off: {', '.join(CULLING_RULES)}.",
             negative="",
             show_default=False,
         ),
     ] = ()
-    keep_all: Annotated[bool, Parameter(name="--keep-all", help="Leave nothing out.", negative="", show_default=False)] = False
+    keep_all: Annotated[
+        bool, Parameter(name="--keep-all", group=RARE, help="Leave nothing out.", negative="", show_default=False)
+    ] = False
     config: Annotated[Path | None, _option("TOML file with settings. [default: none]")] = None
+    dump_config: Annotated[
+        Path | None,
+        _option("Write all settings to this TOML file, for --config. [default: none]", rare=True),
+    ] = None
 
     def settings(self) -> Settings:
         """Return the settings that the options ask for. Raises SettingsError."""
+        if self.dump_config is not None:
+            check_output("--dump-config", self.dump_config, (".toml",))
         table = read_toml(self.config) if self.config else {}
-        return settings_from(
+        settings = settings_from(
             table,
             method_name=self.method,
             preset_name=self.preset,
             blur_name=self.blur,
             assignments=self.set,
-            overrides={"radius": self.radius, "samples": self.samples},
+            overrides={"samples": self.samples},
             keep=["all"] if self.keep_all else self.keep,
         )
+        if self.radius is None:
+            return settings
+        share = parse_share(self.radius)
+        radius = check_radius(self.radius) if share is None else f"{share!r}"
+        if share is not None and settings.method.traits.radius_unit == "scene units":
+            radius = "auto"  # until the scene is known: settled() does it
+        return dataclasses.replace(settings, method=assign(settings.method, {"radius": radius}))
+
+    def dump(self, settings: Settings, drawn: Mapping[str, Any] | None = None) -> None:
+        """Write what ``--dump-config`` asks for. ``drawn``: the table of settings that were chosen for a target. Raises FormatError."""
+        if self.dump_config is not None:
+            write_text(self.dump_config, settings_toml(drawn or settings.table()))
+
+    def settled(self, settings: Settings, length: Callable[[float], float]) -> Settings:
+        """Return settings with a radius that was given as a share. ``length``: of a share of the scene, scene units."""
+        share = parse_share(self.radius or "")
+        return settings if share is None else settings.with_radius(length(share))
 
 
-@Parameter(name="*", group="View")
+@Parameter(name="*", group=VIEW)
 @dataclass(frozen=True, kw_only=True)
 class ViewOptions:
     """Size and camera."""
@@ -95,30 +127,37 @@ class ViewOptions:
     ] = None
     up: Annotated[
         str | None,
-        _option("Upwards in the image: a direction x,y,z. [default: the camera's; the scene's up with --eye or --target]"),
+        _option(
+            "What is up: an axis of the file, x, y or z, or a direction x,y,z of the image. [default: the camera's, or by format]"
+        ),
     ] = None
     yfov_deg: Annotated[
         float | None, _option("Vertical field of view, degrees. [default: the camera's; 40 for an automatic one]")
     ] = None
     znear: Annotated[
-        float | None, _option("Distance of the near plane, scene units. [default: the camera's; by the scene with --eye]")
+        float | None,
+        _option("Distance of the near plane, scene units. [default: the camera's; by the scene with --eye]", rare=True),
     ] = None
-    zfar: Annotated[float | None, _option("Distance of the far plane, scene units; inf for none. [default: likewise]")] = None
+    zfar: Annotated[
+        float | None, _option("Distance of the far plane, scene units; inf for none. [default: likewise]", rare=True)
+    ] = None
     ortho: Annotated[
         float | None, _option("Parallel projection this many scene units high. [default: the camera's projection]")
     ] = None
-    up_axis: Annotated[str, _option("Which axis of the file is up, for automatic views: x, y, z or auto.")] = "auto"
-    crease_deg: Annotated[float, _option("Meshes without normals: edges sharper than this stay sharp, degrees; 0: flat.")] = (
-        40.0
-    )
+    up_axis: Annotated[str, _option("Which axis of the file is up, for automatic views: x, y, z or auto.", rare=True)] = "auto"
+    crease_deg: Annotated[
+        float, _option("Meshes without normals: edges sharper than this stay sharp, degrees; 0: flat.", rare=True)
+    ] = 40.0
     animation: Annotated[
-        str | None, _option("Animation of a glTF file, by name or number. [default: none, the file's rest pose]")
+        str | None, _option("Animation of a glTF file, by name or number. [default: none, the file's rest pose]", rare=True)
     ] = None
-    time: Annotated[float, _option("Moment of --animation, seconds.")] = 0.0
+    time: Annotated[float, _option("Moment of --animation, seconds.", rare=True)] = 0.0
     point_size: Annotated[
-        float | None, _option("Diameter of points, scene units. [default: one that closes their surface]")
+        float | None, _option("Diameter of points, scene units. [default: one that closes their surface]", rare=True)
     ] = None
-    strict: Annotated[bool, _option("Take it for an error when a part of the scene file is dropped or guessed.")] = False
+    strict: Annotated[bool, _option("Take it for an error when a part of the scene file is dropped or guessed.", rare=True)] = (
+        False
+    )
 
     def pixels(self) -> Size:
         """(width, height). Raises SettingsError."""
@@ -126,16 +165,18 @@ class ViewOptions:
 
     def load(self, path: Path | None) -> Scene:
         """Return the scene file, or the embedded scene. Raises SceneError, SettingsError."""
+        axis = self.up if self.up is not None and self.up in AXES else self.up_axis
         if path is None:
             from ..scene.sample_scene import default_scene
 
-            return default_scene()
+            scene = default_scene()
+            return scene if axis == "auto" else dataclasses.replace(scene, up=up_direction(axis))
         if not 0 <= self.crease_deg <= 180:
             raise SettingsError(f"--crease-deg {self.crease_deg:g}: must be 0 to 180")
         if self.point_size is not None and not 0 < self.point_size < math.inf:
             raise SettingsError(f"--point-size {self.point_size:g}: must be above 0 (scene units)")
         scene = load_scene(
-            path, crease=math.radians(self.crease_deg), up=self.up_axis,
+            path, crease=math.radians(self.crease_deg), up=axis,
             animation=self.animation, time=self.time, point_size=self.point_size,
         )  # fmt: skip
         if self.strict and scene.warnings:
@@ -152,10 +193,12 @@ class ViewOptions:
         else:
             base = scene.cameras[0] if scene.cameras else scene.default_camera(size)
         pose = base.pose
-        if self.eye is not None or self.target is not None or self.up is not None:
+        automatic = self.camera is None and not scene.cameras
+        turned = self.up is not None and not (automatic and self.up in AXES)  # an axis is in the scene already
+        if self.eye is not None or self.target is not None or turned:
             eye = pose[:3, 3] if self.eye is None else parse_vector("eye", self.eye)
             target = scene.bounds.mean(0) if self.target is None else parse_vector("target", self.target)
-            up = scene.up if self.up is None else parse_vector("up", self.up)
+            up = scene.up if self.up is None or self.up in AXES else parse_vector("up", self.up)
             pose = look_at(eye, target, up)
         return dataclasses.replace(base, lens=self._lens(base, scene, pose), pose=pose)
 
@@ -189,30 +232,14 @@ def angle(name: str, degrees: float) -> float:
 
 GlOption = Annotated[
     str,
-    Parameter(name="--gl", group="Output", help="OpenGL provider: auto, egl-es, egl-gl, osmesa, angle, swiftshader, native."),
+    Parameter(name="--gl", group=RARE, help="OpenGL provider: auto, egl-es, egl-gl, osmesa, angle, swiftshader, native."),
 ]
 JsonOption = Annotated[
     Path | None,
     Parameter(
         name="--json",
-        group="Output",
+        group=OUTPUT,
         help="Write settings, plan, renderer and milliseconds per pass to this file; - prints them. [default: none]",
         allow_leading_hyphen=True,
     ),
 ]
-
-
-def settings_help() -> str:
-    """Every setting with unit, default and range, from the dataclasses themselves."""
-    groups = [Settings, *registry().values(), *FILTERS.values(), Shading]
-    lines = ["Settings for --set and TOML files (group.key, default, unit, range):"]
-    for kind in groups:
-        prefix = f"blur.{title(kind)}" if kind in FILTERS.values() else title(kind)
-        lines.append(f"  {prefix if kind is not Settings else '(no group)'}")
-        for field in (f for f in dataclasses.fields(kind) if "limits" in f.metadata):  # type: ignore[arg-type]
-            rule = limits(field)
-            facts = ", ".join(
-                part for part in (f"{'auto' if field.default is None else field.default}", rule.unit, rule.describe()) if part
-            )
-            lines.append(f"    {field.name:14}{rule.doc} [{facts}]")
-    return "\n".join(lines)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
@@ -11,7 +12,7 @@ from typing import Any, TypeVar
 
 from ..errors import FormatError, SettingsError, near_miss
 from ..io.atomic import atomic_write, check_writable, is_folder, why_unreadable
-from ..render.arrays import check_size
+from ..render.arrays import MAX_SIDE, pixel_size
 
 Item = TypeVar("Item")
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
@@ -48,9 +49,13 @@ def progress(items: Iterable[Item], title: str, total: int) -> Iterator[Item]:
     yield from track(items, title, total, console=Console(stderr=True))
 
 
-def write_json(path: Path, content: Mapping[str, Any]) -> None:
+def write_json(path: Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
     """Write a report, whole or not at all; ``-`` is standard output."""
-    text = json.dumps(content, indent=1) + "\n"
+    write_text(path, json.dumps(content, indent=1) + "\n")
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text, whole or not at all; ``-`` is standard output."""
     if str(path) == "-":
         sys.stdout.write(text)
         return
@@ -81,14 +86,31 @@ def check_json(path: Path | None) -> None:
         check_writable(path)
 
 
+def comma_list(texts: Iterable[str]) -> list[str]:
+    """Return the words of texts that hold several, by commas."""
+    return [part.strip() for text in texts for part in text.split(",") if part.strip()]
+
+
 def parse_size(text: str) -> tuple[int, int]:
-    """``1280x720`` -> (1280, 720), sides within bounds. Raises SettingsError."""
-    w, x, h = text.lower().partition("x")
-    if not (x and w.isascii() and h.isascii() and w.isdigit() and h.isdigit()):
-        raise SettingsError(f"--size {text}: must be WIDTHxHEIGHT, like 1280x720")
-    size = int(w[:9]), int(h[:9])
-    check_size(size)
-    return size
+    """``1280x720`` -> (1280, 720), sides within bounds; whole floats are taken, too. Raises SettingsError."""
+    found = re.fullmatch(r"([0-9]+)(?:\.0*)?[xX]([0-9]+)(?:\.0*)?", text)
+    if not found:
+        raise SettingsError(f"--size {text}: must be WIDTHxHEIGHT in whole pixels, like 1280x720")
+    try:
+        return pixel_size([int(side[:9]) for side in found.groups()])
+    except SettingsError:
+        raise SettingsError(f"--size {text}: must be WIDTHxHEIGHT with sides from 1 to {MAX_SIDE}, like 1280x720") from None
+
+
+def check_radius(text: str) -> str:
+    """Return a radius as it is when it is a number. Raises SettingsError."""
+    try:
+        float(text)
+    except ValueError:
+        raise SettingsError(
+            f"--radius {text}: must be a number of scene units, or a share of the scene's size above 0, like 10%"
+        ) from None
+    return text
 
 
 def parse_vector(name: str, text: str) -> tuple[float, float, float]:
@@ -97,5 +119,6 @@ def parse_vector(name: str, text: str) -> tuple[float, float, float]:
     try:
         x, y, z = (float(part) for part in parts)
     except ValueError:
-        raise SettingsError(f"--{name} {text}: must be three numbers, like 1,2.5,-3") from None
+        axis = ", or an axis: x, y or z" if name == "up" else ""
+        raise SettingsError(f"--{name} {text}: must be three numbers, like 1,2.5,-3{axis}") from None
     return x, y, z

@@ -10,11 +10,12 @@ from cyclopts import Parameter
 
 from ..errors import SettingsError
 from ..planner import CLOCKS, Choice, Target
+from .help_pages import OCCLUSION
 from .options import LookOptions
 from .output import print_table
 
 
-@Parameter(name="*", group="Occlusion")
+@Parameter(name="*", group=OCCLUSION)
 @dataclass(frozen=True, kw_only=True)
 class PlanOptions:
     """Targets, from which method and preset follow."""
@@ -22,8 +23,8 @@ class PlanOptions:
     budget_ms: Annotated[
         float | None,
         Parameter(
-            help="Choose the preset: the least predicted error within this many milliseconds a frame, all passes, on this driver"
-            " (CPU time of all threads on software renderers). [default: none]",
+            help="Choose the preset: the least error predicted within this many milliseconds a frame on this driver (CPU time"
+            " on software renderers). [default: none]",
             negative="",
             allow_leading_hyphen=True,
         ),
@@ -31,7 +32,7 @@ class PlanOptions:
     max_error: Annotated[
         float | None,
         Parameter(
-            help="Choose the preset: the least predicted time within this error, RMSE of visibility against rays. [default: none]",
+            help="Choose the preset: the least time predicted within this RMSE of visibility against rays. [default: none]",
             negative="",
             allow_leading_hyphen=True,
         ),

@@ -16,7 +16,7 @@ from .. import planner
 from ..errors import FormatError, SettingsError
 from ..io import images
 from ..io.atomic import locked_folder, make_folder
-from ..pipeline.outputs import AOVS
+from ..pipeline.outputs import AOVS, aov_names
 from ..pipeline.settings import Settings
 from ..planner import Target
 from ..render.picture import Picture, save_animation
@@ -26,16 +26,17 @@ from ..scene.model import Scene
 from ..scene.projection import Size
 from ..tiling.job import Job
 from ..tiling.layout import layout
+from .help_pages import OUTPUT, RARE
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, progress, say, write_json
 from .plan_options import PlanOptions, compared, drawn_at_once, expected
-from .tile_options import TileOption, draw_tiles, picture_line
+from .tile_options import TileOption, draw_tiles, rendered_line
 
 ANIMATIONS = (".gif", ".webp", ".apng")
 TIMED_FRAMES = 5
 
 
-@Parameter(name="*", group="Output")
+@Parameter(name="*", group=OUTPUT)
 @dataclass(frozen=True, kw_only=True)
 class PictureOptions:
     """What is written, and where."""
@@ -43,13 +44,19 @@ class PictureOptions:
     output: Annotated[
         Path, Parameter(name=["--output", "-o"], help="PNG, NPY or EXR file, or a folder for all AOVs as NPY and PNG.")
     ] = Path("ssao.png")
+    background: Annotated[
+        str | None,
+        Parameter(
+            help="Behind the scene in the image: #rrggbb, white, black or transparent (RGBA). [default: the scene's, else grey blue]"
+        ),
+    ] = None
     aov: Annotated[
         str | None,
         Parameter(
-            help=f"What to write, by commas: {', '.join(AOVS)}. [default: image for PNG, visibility for arrays, image and visibility for folders]",
+            help=f"What to write, by commas: {', '.join(AOVS)}. [default: image for PNG, visibility for arrays, both for folders]",
         ),
     ] = None
-    bits: Annotated[int, Parameter(help="Bits a pixel of grey PNG files: 8 or 16.")] = 8
+    bits: Annotated[int, Parameter(group=RARE, help="Bits a pixel of grey PNG files: 8 or 16.")] = 8
     turntable: Annotated[
         int,
         Parameter(
@@ -58,6 +65,13 @@ class PictureOptions:
     ] = 0
     tile: TileOption = None
     json: JsonOption = None
+
+    def with_background(self, settings: Settings) -> Settings:
+        """Return settings with the background that was asked for. Raises SettingsError."""
+        if self.background is None:
+            return settings
+        shading = dataclasses.replace(settings.shading, background=self.background)
+        return dataclasses.replace(settings, shading=shading)
 
     def aovs(self) -> tuple[str, ...]:
         """Return what is written. Raises SettingsError, FormatError for what cannot be, before anything is drawn."""
@@ -86,15 +100,16 @@ def render(
     scene
         GLB, glTF, OBJ, PLY, STL, OFF or another format of trimesh. Without it: the embedded scene.
     """
-    settings, target = look.settings(), goal.target(look)
+    settings, target = to.with_background(look.settings()), goal.target(look)
     size, aovs = view.pixels(), to.aovs()
     loaded = view.load(scene)
+    settings = look.settled(settings, loaded.default_radius)
     camera = view.choose(loaded)
     with Renderer(gl) as renderer:
         if to.turntable:
-            _turn(renderer, loaded, camera, size, settings, target, aovs, to)
+            look.dump(_turn(renderer, loaded, camera, size, settings, target, aovs, to))
             return 0
-        settled = settings.with_radius(camera.ao_radius or loaded.default_radius())
+        settled = settings.settled(camera.ao_radius or loaded.default_radius(), loaded.background)
         cut = layout(loaded, camera, size, settled, aovs, tile=to.tile, limit=renderer.ctx.max_size)
         drawn_at_once(target, cut)
         if cut is not None:
@@ -108,6 +123,7 @@ def render(
             report = dict(picture.report)
     if cut is None:
         _save(picture, to)
+    look.dump(settings, report["settings"] if target else None)
     if to.json:
         write_json(to.json, {**report, "warnings": [*report.get("warnings", ()), *loaded.warnings]})
     return 0
@@ -123,12 +139,7 @@ def _aovs(text: str | None, output: Path, turntable: int) -> tuple[str, ...]:
         if turntable or output.suffix.lower() == ".png":
             return ("image",)
         return ("visibility",) if output.suffix.lower() in images.SUFFIXES else ("image", "visibility")
-    aovs = tuple(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
-    from ..pipeline.outputs import aov_resources
-
-    aov_resources(aovs)  # names are checked before anything is drawn
-    if not aovs:
-        raise SettingsError("--aov: name at least one of " + ", ".join(AOVS))
+    aovs = aov_names(text)  # names are checked before anything is drawn
     if len(aovs) > 1 and output.suffix.lower() in images.SUFFIXES:
         raise SettingsError(f"-o {output}: one file holds one AOV; give a folder for {', '.join(aovs)}")
     return aovs
@@ -146,7 +157,7 @@ def _check_output(output: Path, turntable: int, bits: int) -> None:
 
 def _save(picture: Picture, to: PictureOptions) -> None:
     aov = next(iter(picture.arrays)) if len(picture.arrays) == 1 else None
-    say(picture_line(to.output, picture.save(to.output, aov=aov, bits=to.bits), picture.report), to.json)
+    say(rendered_line(to.output, picture.save(to.output, aov=aov, bits=to.bits), picture.report), to.json)
     if "planned" in picture.report:
         say(compared(picture.report["planned"]), to.json)
 
@@ -154,7 +165,8 @@ def _save(picture: Picture, to: PictureOptions) -> None:
 def _turn(
     renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings, target: Target | None,
     aovs: tuple[str, ...], to: PictureOptions,
-) -> None:  # fmt: skip
+) -> Settings:  # fmt: skip
+    """Draw a turntable, and return the settings that it was drawn with."""
     output, count = to.output, to.turntable
     if target:
         choice = planner.plan(renderer, scene, camera, size, target, settings, aovs=aovs)
@@ -165,12 +177,13 @@ def _turn(
     if output.suffix.lower() in ANIMATIONS:
         save_animation(output, list(shown))
         say(f"{output}: {count} frames")
-        return
+        return settings
     make_folder(output)
     with locked_folder(output):
         for index, picture in enumerate(shown):
             picture.save(output / (f"{index:04d}.png" if len(aovs) == 1 else f"{index:04d}"))
     say(f"{output}/: {count} frames")
+    return settings
 
 
 def orbit(camera: Camera, scene: Scene, count: int) -> Iterator[Camera]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter
 
 from ..errors import FormatError
 from ..experiment.culling_rules import MOST_VIEWS
@@ -27,36 +27,37 @@ from ..sampling.falloff import Falloff
 from ..scene.projection import Size
 from ..truth import Tracing
 from ..truth.settings import NORMALS
+from .help_pages import GATE, OF_TRUTH, OUTPUT, SWEEP
 from .options import GlOption
-from .output import QUIET, parse_size, say
+from .output import QUIET, comma_list, parse_size, say
 
 Listed = tuple[str, ...]
 
 
-def _option(text: str, group: str, *names: str) -> Parameter:
+def _option(text: str, group: Group, *names: str) -> Parameter:
     return Parameter(name=list(names) or None, help=text, group=group, negative="", show_default=False)
 
 
-@Parameter(name="*", group="Sweep")
+@Parameter(name="*", group=SWEEP)
 @dataclass(frozen=True, kw_only=True)
 class SweepOptions:
     """What is measured, and where."""
 
-    size: Annotated[Listed, _option("WIDTHxHEIGHT, by commas or repeated. [default: 1280x720]", "Sweep", "--size")] = ()
+    size: Annotated[Listed, _option("WIDTHxHEIGHT, by commas or repeated. [default: 1280x720]", SWEEP, "--size")] = ()
     methods: Annotated[
-        Listed, _option(f"Methods by commas. [default: all but the exhaustive {TRUTH}]", "Sweep", "--methods")
+        Listed, _option(f"Methods by commas. [default: all but the exhaustive {TRUTH}]", SWEEP, "--methods")
     ] = ()
-    presets: Annotated[Listed, _option("Presets by commas. [default: all that a method has]", "Sweep", "--presets")] = ()
+    presets: Annotated[Listed, _option("Presets by commas. [default: all that a method has]", SWEEP, "--presets")] = ()
     set: Annotated[
-        Listed, _option("Values of a setting, method.setting=value,value,...; may be repeated.", "Sweep", "--set")
+        Listed, _option("Values of a setting, method.setting=value,value,...; may be repeated.", SWEEP, "--set")
     ] = ()
     cameras: Annotated[
-        Listed, _option("Names by commas, or all. [default: all of NAME.cam.json beside the scene]", "Sweep", "--cameras")
+        Listed, _option("Names by commas, or all. [default: all of NAME.cam.json beside the scene]", SWEEP, "--cameras")
     ] = ()
     rounds: Annotated[int, Parameter(help="Interleaved rounds of timing.")] = 5
     fit: Annotated[
         str | None,
-        _option("Scenes, by commas, on which the fitted track is fitted; none. [default: every second]", "Sweep", "--fit"),
+        _option("Scenes, by commas, on which the fitted track is fitted; none. [default: every second]", SWEEP, "--fit"),
     ] = None
     scaling: Annotated[bool, Parameter(negative="", help="Also time against pixels (0.06 to 8 million), taps and radius.")] = (
         False
@@ -71,18 +72,18 @@ class SweepOptions:
 
     def sizes(self) -> list[Size]:
         """Return (width, height) of all images, in pixels. Raises SettingsError."""
-        return list(dict.fromkeys(parse_size(text) for text in _listed(self.size))) or [(1280, 720)]
+        return list(dict.fromkeys(parse_size(text) for text in comma_list(self.size))) or [(1280, 720)]
 
     def estimators(self) -> list[ScreenSpace]:
         """Return the methods under their presets or ranges. Raises SettingsError."""
-        return variants(_listed(self.methods), _listed(self.presets), self.set)
+        return variants(comma_list(self.methods), comma_list(self.presets), self.set)
 
     def views(self, scenes: Sequence[Path]) -> list[MeasuredView]:
         """Return the cameras of all scenes. Raises SceneError, SettingsError."""
-        return views(scenes, [name for name in _listed(self.cameras) if name != "all"], self.sizes())
+        return views(scenes, [name for name in comma_list(self.cameras) if name != "all"], self.sizes())
 
 
-@Parameter(name="*", group="Truth")
+@Parameter(name="*", group=OF_TRUTH)
 @dataclass(frozen=True, kw_only=True)
 class TruthOptions:
     """What it is measured against."""
@@ -91,7 +92,7 @@ class TruthOptions:
     falloff: Annotated[str, Parameter(help=f"How a blocker counts with distance: {', '.join(Falloff)}.")] = Falloff.HARD.value
     normals: Annotated[str, Parameter(help=f"Hemisphere about which normal: {' or '.join(NORMALS)}.")] = NORMALS[0]
     cache: Annotated[
-        Path | None, _option("Folder where traced truth is kept. [default: the user's cache folder]", "Truth", "--cache")
+        Path | None, _option("Folder where traced truth is kept. [default: the user's cache folder]", OF_TRUTH, "--cache")
     ] = None
     no_reference: Annotated[
         bool,
@@ -100,7 +101,7 @@ class TruthOptions:
     reference_size: Annotated[
         str | None,
         _option(
-            "Size at which the error is split. [default: --size shrunk to 320x180 pixels' worth]", "Truth", "--reference-size"
+            "Size at which the error is split. [default: --size shrunk to 320x180 pixels' worth]", OF_TRUTH, "--reference-size"
         ),
     ] = None
 
@@ -115,27 +116,28 @@ class TruthOptions:
         return parse_size(self.reference_size) if self.reference_size else split_size(size)
 
 
-@Parameter(name="*", group="Gate")
+@Parameter(name="*", group=GATE)
 @dataclass(frozen=True, kw_only=True)
 class GateOptions:
     """Comparison with an earlier report."""
 
     compare: Annotated[
         Path | None,
-        _option("An earlier results.json: what got better or worse. In place of scenes: a newer one.", "Gate", "--compare"),
+        _option("An earlier results.json: what got better or worse. In place of scenes: a newer one.", GATE, "--compare"),
     ] = None
     max_regression: Annotated[
         float, Parameter(help="Exit with 1 when a mean RMSE grew by more than this share, beyond the noise.")
     ] = 0.02
     max_slowdown: Annotated[
         float | None,
-        _option("The same for times as multiples of the baseline. [default: no limit]", "Gate", "--max-slowdown"),
+        _option("The same for times as multiples of the baseline. [default: no limit]", GATE, "--max-slowdown"),
     ] = None
 
 
 def report(
     *scenes: Path,
-    output: Annotated[Path, _option("Folder for the report. [default: report]", "Output", "--output", "-o")] = Path("report"),
+    output: Annotated[Path, _option("Folder for the report. [default: report]", OUTPUT, "--output", "-o")] = Path("report"),
+    latex: Annotated[bool, Parameter(group=OUTPUT, negative="", help="Write the tables in LaTeX, too: report.tex.")] = False,
     what: SweepOptions = SweepOptions(),
     against: TruthOptions = TruthOptions(),
     gate: GateOptions = GateOptions(),
@@ -171,9 +173,9 @@ def report(
         rules=len(seen) <= MOST_VIEWS if what.rules is None else what.rules,
     )
     found = _measured(sweep, gl, output, _cache(against.cache, output))
-    paths = write(found, output)
+    paths = write(found, output, paper=latex)
     say(
-        f"{paths[0]}: {len(seen)} views, {len(methods)} variants; beside it {', '.join(path.name for path in paths[1:4])}, plots"
+        f"{paths[0]}: {len(seen)} views, {len(methods)} variants; beside it {', '.join(path.name for path in paths[1 : 5 + latex])}, plots"
     )
     return _compare(before, found, gate) if before is not None else 0
 
@@ -211,10 +213,6 @@ def _compare(before: dict[str, object], after: dict[str, object], gate: GateOpti
     for change in worse:
         say(f"worse than the limit: {change.describe()}")
     return 1 if worse else 0
-
-
-def _listed(texts: Sequence[str]) -> list[str]:
-    return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 
 def _cache(given: Path | None, output: Path) -> Path:

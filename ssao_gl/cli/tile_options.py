@@ -11,13 +11,14 @@ from cyclopts import Parameter
 
 from ..render.renderer import Renderer
 from ..tiling.job import Job, draw
+from .help_pages import RARE
 from .output import progress, say
 
 TileOption = Annotated[
     int | None,
     Parameter(
         name="--tile",
-        group="Output",
+        group=RARE,
         allow_leading_hyphen=True,
         help="Draw in tiles of this many pixels a side, straight to the files; the same command goes on where it was interrupted."
         " There are no times of passes then. [default: by itself when the picture is larger than the driver's textures or takes over"
@@ -37,11 +38,11 @@ def draw_tiles(renderer: Renderer, job: Job, json: Path | None) -> Mapping[str, 
         if job.folder.exists():
             log.warning("the tiles so far are kept in %s; the same command goes on from there", job.folder)
         raise
-    say(picture_line(job.output, paths, report), json)
+    say(rendered_line(job.output, paths, report), json)
     return report
 
 
-def picture_line(output: Path, paths: Sequence[Path], report: Mapping[str, Any]) -> str:
+def rendered_line(output: Path, paths: Sequence[Path], report: Mapping[str, Any]) -> str:
     """Return what was rendered into which files, on one line."""
     where = str(paths[0]) if len(paths) == 1 else f"{output}{'' if str(output).endswith('/') else '/'} ({len(paths)} files)"
     settings, seconds, tiles = report["settings"], report["seconds"], report.get("tiles")

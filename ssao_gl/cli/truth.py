@@ -6,7 +6,7 @@ import logging
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -23,18 +23,24 @@ from ..scene.projection import Size
 from ..truth import Tracing, Truth, trace
 from ..truth.settings import MOST_SPP, NORMALS, SPP
 from ..truth.trace import TraceProgress
+from .help_pages import OUTPUT, RAYS
 from .options import ViewOptions
-from .output import QUIET, check_json, check_output, say, write_json
+from .output import QUIET, check_json, check_output, check_radius, say, write_json
+from .tokens import parse_share
 
 
-@Parameter(name="*", group="Rays")
+@Parameter(name="*", group=RAYS)
 @dataclass(frozen=True, kw_only=True)
 class RayOptions:
     """Which rays are traced, and how many."""
 
     radius: Annotated[
-        float | None,
-        Parameter(help="Reach of occlusion, scene units. [default: the camera file's ao_radius, else a share of the scene]"),
+        str | None,
+        Parameter(
+            help="Reach of occlusion in scene units, or a share of the scene's size, like 10%."
+            " [default: the camera file's ao_radius, else 3%]",
+            allow_leading_hyphen=True,
+        ),
     ] = None
     falloff: Annotated[str, Parameter(help=f"How a blocker counts with distance: {', '.join(Falloff)}.")] = Falloff.HARD.value
     normals: Annotated[
@@ -53,7 +59,14 @@ class RayOptions:
 
     def tracing(self) -> Tracing:
         """Return the settings of the rays. Raises SettingsError."""
-        return Tracing(**{field.name: getattr(self, field.name) for field in fields(self)})
+        given = {field.name: getattr(self, field.name) for field in fields(self)}
+        share = self.radius is None or parse_share(self.radius) is not None
+        return Tracing(**{**given, "radius": None if share else float(check_radius(str(self.radius)))})
+
+    def settled(self, tracing: Tracing, scene: Scene) -> Tracing:
+        """Return what is traced, with a radius that was given as a share of the scene."""
+        share = parse_share(self.radius or "")
+        return tracing if share is None else tracing.with_radius(scene.default_radius(share))
 
 
 def truth(
@@ -63,7 +76,7 @@ def truth(
         Path,
         Parameter(
             name=["--output", "-o"],
-            group="Output",
+            group=OUTPUT,
             help="PNG, NPY or EXR file for visibility, or a folder for visibility, standard error and depth as NPY and PNG.",
         ),
     ] = Path("truth.png"),
@@ -71,18 +84,24 @@ def truth(
     cache: Annotated[
         Path | None,
         Parameter(
-            group="Output",
+            group=OUTPUT,
             negative="",
             help="Folder where results are kept and interrupted runs go on. [default: the user's cache folder]",
         ),
     ] = None,
-    no_cache: Annotated[bool, Parameter(group="Output", negative="", help="Keep nothing and take nothing from there.")] = False,
+    no_cache: Annotated[bool, Parameter(group=OUTPUT, negative="", help="Keep nothing and take nothing from there.")] = False,
     json: Annotated[
         Path | None,
         Parameter(
-            group="Output", negative="", help="Write settings, standard error, rays and seconds to this file; - prints them."
+            group=OUTPUT, negative="", help="Write settings, standard error, rays and seconds to this file; - prints them."
         ),
     ] = None,
+    bench: Annotated[
+        bool,
+        Parameter(
+            group=RAYS, negative="", help="Write nothing; print how fast rays are, and how much of Embree's speed that is."
+        ),
+    ] = False,
     view: ViewOptions = ViewOptions(),
 ) -> int:
     """Trace ambient occlusion, or obscurance, of what a camera sees. The same command goes on where Ctrl-C cut it.
@@ -93,10 +112,13 @@ def truth(
         Scene file. Without it: the embedded scene.
     """
     tracing, size = rays.tracing(), view.pixels()
+    if bench:
+        return _bench(view, scene, rays)
     check_output("-o", output, images.SUFFIXES, folder=True)
     check_json(json)
     folder = None if no_cache else _folder(cache)
     loaded = view.load(scene)
+    tracing = rays.settled(tracing, loaded)
     camera = view.choose(loaded)
     found = _traced(loaded, camera, size, tracing, folder)
     report = {"scene": loaded.name, "camera": camera.name or "unnamed"}
@@ -105,6 +127,21 @@ def truth(
     say(f"{where}: {_summary(loaded, found)}", json)
     if json:
         write_json(json, report | _numbers(loaded, found))
+    return 0
+
+
+def _bench(view: ViewOptions, path: Path | None, rays: RayOptions) -> int:
+    """Print million rays a second by number of threads: of bare embreex calls, and of the tracer that makes the rays, too."""
+    from ..truth import surface
+    from ..truth.bench import bench
+
+    scene = view.load(path)
+    camera = view.choose(scene)
+    tracing = rays.settled(rays.tracing(), scene)
+    tracing = replace(tracing, radius=tracing.radius or camera.ao_radius or scene.default_radius())
+    for workers, (bare, traced) in bench(surface(scene, camera, view.pixels()), tracing).items():
+        threads = f"{workers} thread{'s' if workers > 1 else ''}"
+        say(f"{threads}: embreex {bare:.2f}, ssao_gl {traced:.2f} million rays/s: {100 * traced / bare:.0f} %")
     return 0
 
 

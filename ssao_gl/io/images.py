@@ -76,14 +76,14 @@ def png_texts(texts: Mapping[str, str]) -> PngInfo:
     return info
 
 
-def png_bytes(array: NDArray[np.uint8]) -> bytes:
-    """Return a PNG file in memory."""
+def png_bytes(array: NDArray[np.uint8], *, shrink: int = 1) -> bytes:
+    """Return a PNG file in memory. ``shrink``: every so many pixels along each side become one, by their mean."""
     from io import BytesIO
 
     from PIL import Image
 
     out = BytesIO()
-    Image.fromarray(array).save(out, format="PNG")
+    Image.fromarray(array).reduce(shrink).save(out, format="PNG")
     return out.getvalue()
 
 

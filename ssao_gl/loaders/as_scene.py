@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,20 @@ from ..scene.model import Scene
 from . import pyrender_scenes
 from .camera_files import load_camera
 from .load import load_scene
+from .up_axis import up_direction
 
 
-def as_scene(source: Any) -> Scene:
-    """A scene from a path, a ``trimesh.Trimesh`` or ``Scene``, a ``pyrender.Scene``, points (n, 3), or itself. Raises SceneError."""
+def as_scene(source: Any, up: str = "auto") -> Scene:
+    """A scene from a path, a ``trimesh.Trimesh`` or ``Scene``, a ``pyrender.Scene``, points (n, 3), or itself. Raises SceneError.
+
+    up: axis that automatic views take for upwards, x, y or z; auto: the source's own, or that of its file's format.
+    """
+    direction = up_direction(up)
+    scene = _scene(source)
+    return scene if up == "auto" else dataclasses.replace(scene, up=direction)
+
+
+def _scene(source: Any) -> Scene:
     if isinstance(source, Scene):
         return source
     if isinstance(source, np.ndarray) and type(source).__module__ == "numpy":

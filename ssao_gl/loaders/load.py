@@ -17,10 +17,8 @@ from ..scene.model import Scene
 from .finished import finished
 from .notes import Notes
 from .read_options import ReadOptions
+from .up_axis import up_direction
 
-Z_UP = frozenset({"stl", "stl_ascii", "3mf", "ply", "off", "xyz"})
-"""Formats in which z is usually up; in all others y is. It only turns automatic views."""
-AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 LARGE = 10**5
 """Triangles from which memory is given back at once."""
 
@@ -69,15 +67,7 @@ def _read(path: Path, up: str, options: ReadOptions, notes: Notes) -> Scene:
     from . import mesh_files
 
     loaded = mesh_files.read(path, options, notes)
-    return finished(loaded.meshes, loaded.cameras, _up(up, loaded.kind), path.name, notes)
-
-
-def _up(up: str, kind: str) -> tuple[float, float, float]:
-    if up == "auto":
-        return AXES["z" if kind in Z_UP else "y"]
-    if up not in AXES:
-        raise SceneError(f"up axis '{up}'; must be x, y, z or auto")
-    return AXES[up]
+    return finished(loaded.meshes, loaded.cameras, up_direction(up, loaded.kind), path.name, notes)
 
 
 class _quiet(warnings.catch_warnings):

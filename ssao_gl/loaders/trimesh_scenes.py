@@ -16,37 +16,39 @@ from .mesh_building import MeshData, build_mesh
 from .notes import Notes
 from .read_options import ReadOptions
 from .trimesh_materials import TrimeshLooks
+from .up_axis import Direction, up_direction
 
 if TYPE_CHECKING:
     import trimesh
 
 CREASE = math.radians(40)
-Y_UP = (0.0, 1.0, 0.0)
 
 
 def from_trimesh(
     source: trimesh.Trimesh | trimesh.PointCloud | trimesh.Scene,
     *,
     crease: float = CREASE,
-    up: tuple[float, float, float] = Y_UP,
+    up: Direction | None = None,
     name: str = "",
     weld_vertices: bool = False,
     point_size: float | None = None,
 ) -> Scene:
     """Return a :class:`~ssao_gl.Scene` from a ``trimesh.Trimesh``, ``PointCloud`` or ``Scene``; instances share one geometry.
 
-    weld_vertices: vertices at the same place become one where normals must be made, so that they are smooth. point_size: of
+    up: which way automatic views take for upwards; None: the z axis for what trimesh read from a file in a format where that is
+    usual (STL, PLY, OFF), else the y axis. weld_vertices: vertices at the same place become one where normals must be made, so that they are smooth. point_size: of
     points, scene units; None for one that closes their surface. Raises SceneError.
     """
     import trimesh
 
+    kind = str(getattr(getattr(source, "source", None), "file_type", None) or "")
     if isinstance(source, trimesh.Trimesh | trimesh.PointCloud):
         source = trimesh.Scene(source)
     if not isinstance(source, trimesh.Scene):
         raise SceneError(f"expected a trimesh.Trimesh or trimesh.Scene, got {type(source).__name__}")
     notes = Notes()
     meshes = meshes_of(source, ReadOptions(crease=crease, point_size=point_size), notes, soup=weld_vertices)
-    scene = finished(meshes, _cameras(source, notes), up, name, notes)
+    scene = finished(meshes, _cameras(source, notes), up or up_direction("auto", kind), name, notes)
     notes.say(name or "the trimesh scene")
     return scene
 

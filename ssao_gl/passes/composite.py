@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..graph.declare import Pass, Texture
+from ..graph.declare import DepthTest, Pass, Texture
 from ..graph.draws import Fullscreen
 from ..graph.names import COLOR, IMAGE, VISIBILITY
 
 
-def composite(ambient: float, background: Sequence[float], *, direct: bool) -> Pass:
-    """Draw colour times light, its ambient share dimmed by visibility; ``background`` (sRGB) where there is nothing.
+def composite(ambient: float, background: Sequence[float], *, direct: bool, test: DepthTest | None = None) -> Pass:
+    """Draw colour times light, its ambient share dimmed by visibility; ``background`` (sRGB, alpha) where ``test`` finds nothing.
 
     ``direct``: alpha of colour is direct light.
     """
     samplers = {"u_color": COLOR, "u_visibility": VISIBILITY}
     draw = Fullscreen("composite.frag", samplers, {"u_ambient": ambient}, defines={"DIRECT": 1} if direct else {})
-    return Pass("composite", "composite", draw, {IMAGE: Texture("rgba8")}, clear=(*background, 1.0))
+    return Pass("composite", "composite", draw, {IMAGE: Texture("rgba8")}, test=test, clear=tuple(background))

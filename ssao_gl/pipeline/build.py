@@ -36,8 +36,10 @@ from ..passes.resolution import downsample, upsample
 from ..scene.projection import Size, ViewConstants
 from .culling import CullingPlan, plan_culling
 from .outputs import aov_resources
-from .settings import PRECISIONS, Settings, Shading, drawn_scale
+from .settings import PRECISIONS, Settings, drawn_scale
 
+WHITE = (1.0, 1.0, 1.0)
+"""Base colour where there is no surface."""
 WINDOW_DEPTH, EYE_DEPTH = "window", "eye"
 
 
@@ -48,19 +50,19 @@ def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)
     """
     flat, bent = settings.normals == "geometric", "bent" in aovs
     culling = plan_culling(settings, DepthTest(SCENE_MASK, far=True), size, triangles, flat_normals=flat, bent=bent)
-    background = settings.shading.background_rgb
+    background = settings.shading.background_rgba
     passes = [
-        gbuffer(background, geometric=flat),
+        gbuffer(WHITE, geometric=flat),
         layer_behind(),
         *_visibility(settings, culling, bent=bent),
-        composite(settings.shading.ambient, background, direct=True),
+        composite(settings.shading.ambient, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
     ]
     return compile(_at(settings.precision, passes), size, aov_resources(aovs), notes=_notes(settings, culling))
 
 
 def plan_filter(blur: Filter, size: Size) -> Plan:
     """Return the plan that filters a visibility from elsewhere by the depth and normals of a scene."""
-    passes = [gbuffer(Shading().background_rgb, geometric=True), pack_visibility(), *blur.passes(FilterJob())]
+    passes = [gbuffer(WHITE, geometric=True), pack_visibility(), *blur.passes(FilterJob())]
     return compile(passes, size, [VISIBILITY], [GIVEN_VISIBILITY])
 
 
@@ -91,7 +93,7 @@ def plan_apply(
         linearize(window=depth == WINDOW_DEPTH, mask=culling.mask is not None),
         encode_normals() if normals else reconstruct_normals(),
         *_visibility(settings, culling, bent=bent),
-        composite(settings.shading.ambient, (0.0, 0.0, 0.0), direct=False),
+        composite(settings.shading.ambient, (0.0, 0.0, 0.0, 1.0), direct=False),
     ]
     inputs = [GIVEN_DEPTH, *([GIVEN_NORMAL] if normals else []), *([COLOR] if IMAGE in outputs else [])]
     return compile(_at(settings.precision, passes), size, list(outputs), inputs, notes)

@@ -40,7 +40,7 @@ def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, li
 
     Raises SettingsError for a camera that the method is not defined for.
     """
-    settings = settings.with_radius(camera.ao_radius or scene.default_radius())
+    settings = settings.settled(camera.ao_radius or scene.default_radius(), scene.background)
     (w, h), room = size, (limit - max(size)) // 2 // GUARD_STEP * GUARD_STEP
     height = camera.lens.whole[1] if isinstance(camera.lens, CropLens) else h
     border = max(0, min(guard_band(settings.method, height), room))

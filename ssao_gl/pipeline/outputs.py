@@ -21,6 +21,18 @@ AOVS = tuple(RESOURCES)
 """What a picture can hold."""
 
 
+def aov_names(aovs: str | Sequence[str]) -> tuple[str, ...]:
+    """Return names of AOVs from themselves or from one text with names by commas. Raises SettingsError for an unknown one, or none."""
+    parts = aovs.split(",") if isinstance(aovs, str) else aovs
+    if not isinstance(parts, Sequence) or not all(isinstance(part, str) for part in parts):
+        raise SettingsError(f"aovs={aovs!r}: must be names, like ('image', 'depth'); there are {', '.join(AOVS)}")
+    names = tuple(dict.fromkeys(part.strip() for part in parts if part.strip()))
+    if not names:
+        raise SettingsError(f"no AOV: name at least one of {', '.join(AOVS)}")
+    aov_resources(names)
+    return names
+
+
 def aov_resources(aovs: Sequence[str]) -> list[str]:
     """Return the resources of some AOVs. Raises SettingsError for an unknown one."""
     for name in aovs:

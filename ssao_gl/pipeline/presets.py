@@ -18,6 +18,9 @@ from .settings import CULLING_RULES, Settings, Shading
 
 DEFAULT_METHOD = "bitmask"
 
+COUNTS = ("slices", "directions", "pairs", "steps")
+"""Settings that stand for the number of taps, where a method has no ``samples``."""
+
 NAMES = ("method", "preset", "blur", "normals", "precision", "keep")
 """Settings of their own, in no group."""
 
@@ -33,6 +36,16 @@ def read_toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(path.read_text("utf-8"))
     except (ValueError, RecursionError) as error:  # TOMLDecodeError and UnicodeDecodeError are ValueErrors
         raise SettingsError(f"{path}: not TOML ({error})") from None
+
+
+def settings_toml(table: Mapping[str, Any]) -> str:
+    """Return :meth:`Settings.table` as the text of a TOML file that :func:`settings_from` reads; what is automatic is left out."""
+    import tomli_w
+
+    def told(values: Mapping[str, Any]) -> dict[str, Any]:
+        return {key: told(v) if isinstance(v, Mapping) else v for key, v in values.items() if v is not None}
+
+    return tomli_w.dumps(told(table))
 
 
 def settings_from(
@@ -123,8 +136,15 @@ class _Chosen:
         """Put a field of the method, by an option of its own."""
         fields = sorted(f.name for f in dataclasses.fields(self.parts["method"]))
         if key not in fields:
-            raise SettingsError(f"--{key}: {self.method} has no such setting; it has {', '.join(fields)}")
+            ways = _ways_to_count(self.parts["method"]) if key == "samples" else ""
+            raise SettingsError(f"--{key}: {self.method} has no such setting; {ways or 'it has ' + ', '.join(fields)}")
         self.parts["method"] = assign(self.parts["method"], {key: value})
+
+
+def _ways_to_count(record: Any) -> str:
+    """Return what to type where a method counts its taps by settings of other names; nothing where it does not."""
+    ways = [f"--set {f.name}={getattr(record, f.name)}" for f in dataclasses.fields(record) if f.name in COUNTS]
+    return f"its taps are set by {' '.join(ways)} (what it has now), or by --preset" if ways else ""
 
 
 def preset(name: str, chosen: str = "") -> Method:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,6 +18,11 @@ from ..passes.denoise import Filter, Joint
 from ..settings import as_table, setting, validate
 
 GUARD_STEP = 16
+
+HEX = re.compile(r"#[0-9a-fA-F]{6}(?:[0-9a-fA-F]{2})?")
+BACKGROUNDS: Mapping[str, str] = {"white": "#ffffff", "black": "#000000", "transparent": "#00000000"}
+CALM = "#9aa5b1"
+"""Behind a scene without a background: white and black parts, and those of the default grey, all stand out from it."""
 
 CULLING_RULES: Mapping[str, str] = {
     "background": "pixels that show nothing are not shaded",
@@ -35,17 +40,34 @@ class Shading:
     """How the picture is lit: an ambient part that occlusion dims, and a light over the viewer's shoulder."""
 
     ambient: float = setting(0.75, "share of the light that is ambient; for apply: strength of the occlusion", low=0, high=1)
-    background: str = setting("#ffffff", "sRGB colour behind the scene, #rrggbb")
+    background: str | None = setting(
+        None,
+        "sRGB behind the scene in the image: #rrggbb, #rrggbbaa, white, black, transparent; auto: the scene's own, else a grey blue",
+    )
 
     def __post_init__(self) -> None:
         validate(self)
-        if not re.fullmatch(r"#[0-9a-fA-F]{6}", self.background):
-            raise SettingsError(f"shading.background='{self.background}': must look like #rrggbb")
+        if self.background is not None and not HEX.fullmatch(BACKGROUNDS.get(self.background, self.background)):
+            names = ", ".join(BACKGROUNDS)
+            raise SettingsError(
+                f"shading.background='{self.background}': must look like #rrggbb or #rrggbbaa, or be one of {names}"
+                + near_miss(self.background, BACKGROUNDS)
+            )
 
     @property
-    def background_rgb(self) -> tuple[float, float, float]:
-        r, g, b = (int(self.background[i : i + 2], 16) / 255 for i in (1, 3, 5))
-        return r, g, b
+    def background_rgba(self) -> tuple[float, float, float, float]:
+        """Return sRGB and alpha in 0..1; a calm grey blue where nothing was chosen."""
+        name = self.background or CALM
+        digits = BACKGROUNDS.get(name, name)[1:].ljust(8, "f")
+        r, g, b, a = (int(digits[i : i + 2], 16) / 255 for i in (0, 2, 4, 6))
+        return r, g, b, a
+
+    def before(self, own: Sequence[float] | None) -> Shading:
+        """Return this shading with its background settled: the chosen one, a scene's ``own`` (sRGB and alpha in 0..1), or the calm one."""
+        if self.background is not None:
+            return self
+        text = CALM if own is None else "#" + "".join(f"{round(255 * value):02x}" for value in own)
+        return dataclasses.replace(self, background=text)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +103,10 @@ class Settings:
         if self.method.radius is not None:
             return self
         return dataclasses.replace(self, method=dataclasses.replace(self.method, radius=radius))  # type: ignore[type-var]
+
+    def settled(self, radius: float, background: Sequence[float] | None) -> Settings:
+        """Return these settings with what is automatic as a view has it: ``radius`` in scene units, a scene's own ``background``."""
+        return dataclasses.replace(self.with_radius(radius), shading=self.shading.before(background))
 
     def table(self) -> dict[str, Any]:
         """All settings as plain values, by group: for JSON and for the text chunks of pictures."""

@@ -1,4 +1,4 @@
-"""How good plans are: ``python -m ssao_gl.planner.check SCENE.glb [...] [--size WIDTHxHEIGHT] [--json FILE]``.
+"""How good plans are; ``ssao-gl planner check`` says it.
 
 For every camera of the camera file beside each scene: every candidate is predicted, and then drawn, timed and held against
 rays. Says how far predicted times and errors were off, and how much worse than the best of all candidates the planner's
@@ -8,18 +8,13 @@ slower the machine had become since the plan, by one and the same frame timed ag
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
-import json
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
 from ..errors import SettingsError
-from ..io.atomic import atomic_write
 from ..io.cache import default_folder
 from ..pipeline.settings import Settings
 from ..render.renderer import Renderer
@@ -29,7 +24,7 @@ from ..scene.projection import Size
 from ..truth import Tracing, trace
 from .candidates import CANDIDATES, PROBES
 from .choice import Prediction, Target, choose, times
-from .measure import SPP, file_views, foreground_rmse
+from .measure import SPP, foreground_rmse
 from .plan import ROUNDS, plan
 
 ALL = Target(budget_ms=1e9)
@@ -106,11 +101,7 @@ def worse(found: Sequence[Outcome]) -> dict[str, list[float]]:
 def check_lines(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
     """Lines about all views."""
     every = [one for some in found.values() for one in some]
-    apart = {
-        "time": [one.ms / one.predicted_ms - 1 for one in every],
-        "time, paired": [one.ms / one.drift / one.predicted_ms - 1 for one in every],
-        "error": [one.error / one.predicted_error - 1 for one in every],
-    }
+    apart = _misses(every)
     lines = [
         f"{name}: off by {100 * np.median(np.abs(off)):.1f} % (median), {100 * np.mean(np.abs(off)):.1f} % (mean); {100 * np.median(off):+.1f} % all in all"
         for name, off in apart.items()
@@ -128,36 +119,17 @@ def check_lines(found: Mapping[str, Sequence[Outcome]]) -> list[str]:
     return lines
 
 
-def main() -> None:
-    """Measure and say."""
-    parser = argparse.ArgumentParser(prog="python -m ssao_gl.planner.check", description=__doc__)
-    parser.add_argument("scenes", nargs="+", type=Path)
-    parser.add_argument("--size", default="1280x720")
-    parser.add_argument("--gl", default="auto")
-    parser.add_argument("--json", type=Path)
-    given = parser.parse_args()
-    w, h = map(int, given.size.split("x"))
-    found: dict[str, list[Outcome]] = {}
-    with Renderer(given.gl, keep=2) as renderer:
-        for scene, camera in file_views(given.scenes):
-            some = outcomes(renderer, scene, camera, (w, h))
-            found[some[0].view] = some
-            off = [100 * float(np.median([abs(x) for x in xs])) for xs in (
-                [one.ms / one.predicted_ms - 1 for one in some],
-                [one.ms / one.drift / one.predicted_ms - 1 for one in some],
-                [one.error / one.predicted_error - 1 for one in some],
-            )]  # fmt: skip
-            sys.stdout.write(
-                f"{some[0].view}: time off by {off[0]:.1f} %, paired {off[1]:.1f} %, error {off[2]:.1f} % (medians of {len(some)})\n"
-            )
-            sys.stdout.flush()
-            if given.json:
-                with atomic_write(given.json) as temporary:
-                    temporary.write_text(
-                        json.dumps([dataclasses.asdict(one) for every in found.values() for one in every], indent=1)
-                    )
-    sys.stdout.write("\n".join(check_lines(found)) + "\n")
+def view_line(some: Sequence[Outcome]) -> str:
+    """Return a line about one view: medians over its candidates of how far predictions were off."""
+    time, paired, error = (100 * float(np.median(np.abs(misses))) for misses in _misses(some).values())
+    view = some[0].view
+    return f"{view}: time off by {time:.1f} %, paired {paired:.1f} %, error {error:.1f} % (medians of {len(some)})"
 
 
-if __name__ == "__main__":
-    main()
+def _misses(some: Sequence[Outcome]) -> dict[str, list[float]]:
+    """Return what was measured over what was predicted, less 1."""
+    return {
+        "time": [one.ms / one.predicted_ms - 1 for one in some],
+        "time, paired": [one.ms / one.drift / one.predicted_ms - 1 for one in some],
+        "error": [one.error / one.predicted_error - 1 for one in some],
+    }

@@ -25,7 +25,7 @@ def render_planned(
     target: Target | None,
     settings: Settings | None = None,
     *,
-    aovs: Sequence[str] = ("image", "visibility"),
+    aovs: str | Sequence[str] = ("image", "visibility"),
     timed: int = 0,
     checked: bool = False,
 ) -> Picture:

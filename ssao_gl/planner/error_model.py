@@ -1,7 +1,7 @@
 """What a picture lacks to rays, predicted from what is known of its view before it is drawn.
 
 The RMSE of visibility is taken for a sum of shares of the view's :class:`~.signs.ViewFeatures`, with weights that are not negative and were
-fitted once, for each candidate, to pictures of the report's views against rays: ``python -m ssao_gl.planner.measure``
+fitted once, for each candidate, to pictures of the report's views against rays: ``ssao-gl planner fit``
 makes ``errors.json`` anew.
 """
 

@@ -1,4 +1,4 @@
-"""Make ``errors.json``: ``python -m ssao_gl.planner.measure SCENE.glb [...] [--size WIDTHxHEIGHT ...] [-o FILE]``.
+"""Measurements from which ``errors.json`` is made; ``ssao-gl planner fit`` runs them.
 
 Every camera of the camera file beside each scene, at each size and with some radii, is traced (kept in the cache of traced
 results) and drawn under every candidate: by the renderer, and by its depth alone. The weights are then fitted by
@@ -8,11 +8,8 @@ no part in the fit were off.
 
 from __future__ import annotations
 
-import argparse
-import dataclasses
 import json
-import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..io.atomic import atomic_write
+from ..errors import FormatError
+from ..io.atomic import why_unreadable
 from ..io.cache import default_folder
 from ..loaders.camera_files import load_cameras
 from ..loaders.load import load_scene
@@ -60,6 +58,35 @@ def file_views(paths: Sequence[Path]) -> Iterator[tuple[Scene, Camera]]:
             yield scene, camera
 
 
+def error_samples(
+    renderer: Renderer, paths: Sequence[Path], sizes: Sequence[Size], kept: Collection[str]
+) -> Iterator[tuple[str, list[ErrorSample]]]:
+    """Yield the samples of every view, size and radius that is not ``kept``, with a label; other radii at the first size only."""
+    for scene, camera in file_views(paths):
+        for size in sizes:
+            for factor in RADIUS_FACTORS if size == sizes[0] else (1.0,):
+                label = f"{scene.name}:{camera.name} {size[0]}x{size[1]} radius x{factor:g}"
+                if label not in kept:
+                    yield label, measured(renderer, scene, camera, size, factor)
+
+
+def load_samples(path: Path) -> dict[str, list[ErrorSample]]:
+    """Read samples by label, none from a file that is not there yet. Raises FormatError for a damaged or foreign file."""
+    if not path.exists():
+        return {}
+    if reason := why_unreadable(path):
+        raise FormatError(f"{path}: {reason}; expected the rows that 'planner fit' keeps")
+    try:
+        rows = json.loads(path.read_text("utf-8"))
+        return {
+            label: [ErrorSample(**{**one, "signs": ViewFeatures(**one["signs"])}) for one in some]
+            for label, some in rows.items()
+        }
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+        words = " ".join(str(error).split())[:120]
+        raise FormatError(f"{path}: not the rows that 'planner fit' keeps ({words}); give --rows another name") from None
+
+
 def measured(renderer: Renderer, scene: Scene, camera: Camera, size: Size, factor: float) -> list[ErrorSample]:
     """Return the rows of one view: as a scene, and as depth alone."""
     radius = factor * (camera.ao_radius or scene.default_radius())
@@ -96,7 +123,7 @@ def fit_weights(rows: Sequence[ErrorSample], name: str) -> NDArray[np.float64]:
     from scipy.optimize import nnls
 
     values, found = _values(rows), np.array([row.rmse[name] for row in rows])
-    weights: NDArray[np.float64] = nnls(values / found[:, None], np.ones(len(found)))[0]
+    weights: NDArray[np.float64] = nnls(values / np.maximum(found, 1e-4)[:, None], np.ones(len(found)))[0]
     return weights
 
 
@@ -129,40 +156,10 @@ def error_table(rows: Sequence[ErrorSample]) -> dict[str, Any]:
     return made
 
 
-def main() -> None:
-    """Measure, fit, write."""
-    parser = argparse.ArgumentParser(prog="python -m ssao_gl.planner.measure", description=__doc__)
-    parser.add_argument("scenes", nargs="+", type=Path)
-    parser.add_argument("--size", nargs="+", default=["640x360", "1280x720"])
-    parser.add_argument("--rows", type=Path, help="where the rows are kept, to go on from")
-    parser.add_argument("-o", "--output", type=Path, default=Path(__file__).with_name("errors.json"))
-    given = parser.parse_args()
-    sizes = [tuple(map(int, text.split("x"))) for text in given.size]
-    kept = json.loads(given.rows.read_text()) if given.rows and given.rows.exists() else {}
-    with Renderer(keep=2 * len(CANDIDATES)) as renderer:
-        for scene, camera in file_views(given.scenes):
-            for w, h in sizes:
-                for factor in RADIUS_FACTORS if (w, h) == sizes[0] else (1.0,):
-                    label = f"{scene.name}:{camera.name} {w}x{h} radius x{factor:g}"
-                    if label not in kept:
-                        rows = measured(renderer, scene, camera, (w, h), factor)
-                        kept[label] = [dataclasses.asdict(row) for row in rows]
-                        sys.stdout.write(label + "\n")
-                        sys.stdout.flush()
-                        if given.rows:
-                            with atomic_write(given.rows) as temporary:
-                                temporary.write_text(json.dumps(kept))
-    every = [ErrorSample(**{**row, "signs": ViewFeatures(**row["signs"])}) for rows in kept.values() for row in rows]
-    with atomic_write(given.output) as temporary:
-        temporary.write_text(json.dumps(error_table(every), indent=1) + "\n")
+def held_out_lines(rows: Sequence[ErrorSample]) -> Iterator[str]:
+    """Yield a line for each candidate: how far off its predictions are in scenes that took no part in the fit."""
     for layers in SIGNS:
-        some = [row for row in every if row.layers == layers]
+        some = [row for row in rows if row.layers == layers]
         for name in some[0].rmse:
             misses = off(some, name)
-            sys.stdout.write(
-                f"{layers} {name}: median {np.median(misses):.3f}, mean {misses.mean():.3f}, worst {misses.max():.2f}\n"
-            )
-
-
-if __name__ == "__main__":
-    main()
+            yield f"{layers} {name}: median {np.median(misses):.3f}, mean {misses.mean():.3f}, worst {misses.max():.2f}"

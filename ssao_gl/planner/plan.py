@@ -13,8 +13,9 @@ from ..errors import SettingsError
 from ..io.cache import default_folder
 from ..passes.denoise import Joint
 from ..pipeline.build import EYE_DEPTH
+from ..pipeline.outputs import aov_names
 from ..pipeline.settings import Settings
-from ..render.arrays import check_size
+from ..render.arrays import pixel_size
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
@@ -47,7 +48,7 @@ def plan(
     target: Target,
     settings: Settings | None = None,
     *,
-    aovs: Sequence[str] = ("image", "visibility"),
+    aovs: str | Sequence[str] = ("image", "visibility"),
     cache: Path | None = None,
 ) -> Choice:
     """Return the settings to render ``scene`` with, so that frames meet ``target``. ``size`` is (width, height).
@@ -57,7 +58,7 @@ def plan(
     calibration (seconds), and of the view a few small ones and four of full size under cheap settings.
     Raises SettingsError when nothing is predicted to meet the target, and for settings that the planner would overrule.
     """
-    check_size(size)
+    size, aovs = pixel_size(size), aov_names(aovs)
     given = _template(settings)
     camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
     return _planned(renderer, of_scene(renderer, scene, camera, size, given, aovs), target, given, aovs, cache)

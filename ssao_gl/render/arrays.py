@@ -15,10 +15,19 @@ from ..scene.projection import Size
 MAX_SIDE = 1 << 16
 
 
-def check_size(size: Size) -> None:
-    """Raise SettingsError unless ``size`` is (width, height) with sides from 1 to 65536."""
-    if len(size) != 2 or not all(1 <= side <= MAX_SIDE and side == int(side) for side in size):
-        raise SettingsError(f"size {'x'.join(map(str, size))}: must be WIDTHxHEIGHT with sides from 1 to {MAX_SIDE}")
+def pixel_size(size: Any) -> Size:
+    """Return (width, height) as whole numbers from two numbers, whole floats too. Raises SettingsError unless sides are 1 to 65536."""
+    try:
+        w, h = (int(side) for side in size if not isinstance(side, str))
+        fits = (w, h) == tuple(size) and min(w, h) >= 1 and max(w, h) <= MAX_SIDE
+    except (TypeError, ValueError, OverflowError):
+        fits = False
+    if not fits:
+        shown = "x".join(map(str, size)) if isinstance(size, tuple | list) else repr(size)
+        raise SettingsError(
+            f"size {shown}: must be (width, height) in whole pixels, sides from 1 to {MAX_SIDE}, like (1280, 720)"
+        )
+    return w, h
 
 
 def check_arrays(
@@ -47,7 +56,7 @@ def check_arrays(
     return depth, color, normals
 
 
-def radius_of(depth: NDArray[np.float32], camera: Camera, kind: str) -> float:
+def radius_of(depth: NDArray[np.float32], camera: Camera, kind: str, share: float = RADIUS_SHARE) -> float:
     """Return an automatic radius for a depth image: a share of the extent of the middle 96 % of its points."""
     if kind != "eye":
         raise SettingsError("radius: window depth needs a radius in scene units")
@@ -56,4 +65,4 @@ def radius_of(depth: NDArray[np.float32], camera: Camera, kind: str) -> float:
     if not len(points):
         return 1.0
     low, high = np.percentile(points, (2, 98), axis=0)
-    return RADIUS_SHARE * float(np.linalg.norm(high - low)) or 1.0
+    return share * float(np.linalg.norm(high - low)) or 1.0

@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FormatError
+from ..errors import FormatError, one_line
 from ..io import images
 from ..io.atomic import atomic_write, is_folder, locked_folder, make_folder
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Picture:
     """The arrays that were asked for, row 0 on top, and a report of how they were made.
 
-    image: (h, w, 3) uint8 sRGB, or (h, w, 4) when the caller's colour had alpha. visibility: (h, w) float32, 1 = open,
+    image: (h, w, 3) uint8 sRGB, or (h, w, 4) when the background is transparent, or the caller's colour had alpha. visibility: (h, w) float32, 1 = open,
     background exactly 1. depth: (h, w) float32, distance along the view axis in scene units, 0 = background. normal:
     (h, w, 3) float32, unit, view space, (0, 0, 0) on background. bent: (h, w, 3) float32, the same of the mean of the open
     directions by their cosines. color: (h, w, 3) uint8 sRGB base colour.
@@ -78,6 +78,18 @@ class Picture:
         """
         array = self.arrays[name]
         return to_png_array(name, array, bits, depth_span(array) if name == "depth" else None)
+
+    def __repr__(self) -> str:
+        h, w = next(iter(self.arrays.values())).shape[:2] if self.arrays else (0, 0)
+        facts = [self.report.get(key) for key in ("scene", "provider")]
+        method = self.report.get("settings", {}).get("method")
+        about = "".join(f", {one_line(fact, 60)}" for fact in (method, *facts) if fact)
+        return f"<Picture {w}x{h}: {', '.join(self.arrays) or 'nothing'}{about}>"
+
+    def _repr_html_(self) -> str:
+        from .picture_html import picture_html
+
+        return picture_html(self)
 
     def _repr_png_(self) -> bytes:
         name = "image" if "image" in self.arrays else next(iter(self.arrays))

@@ -28,11 +28,12 @@ from ..graph.plan import Plan
 from ..passes.denoise import Filter
 from ..pipeline.build import check_camera, plan_apply, plan_filter
 from ..pipeline.frame_setup import FrameSetup, frame_setup
+from ..pipeline.outputs import aov_names
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
-from .arrays import check_arrays, check_size, radius_of
+from .arrays import check_arrays, pixel_size, radius_of
 from .deprecated import drawn_to_budget
 from .memory import check_room
 from .picture import Picture
@@ -96,22 +97,24 @@ class Renderer:
         size: Size = (1280, 720),
         settings: Settings | None = None,
         *,
-        aovs: Sequence[str] = ("image", "visibility"),
+        aovs: str | Sequence[str] = ("image", "visibility"),
         timed: int = 0,
         checked: bool = False,
         **budget: float | None,
     ) -> Picture:
         """Draw ``scene``; without ``camera`` the scene's own first one, else an automatic view.
 
-        ``aovs``: any of image, visibility, depth, normal, bent, color. ``timed`` draws that many frames more and reports the median
+        ``aovs``: any of image, visibility, depth, normal, bent, color; or one text with names by commas. ``timed`` draws that many frames more and reports the median
         milliseconds of each pass. ``budget``: ``budget_ms`` and ``max_error`` of 0.1, deprecated; plan with :func:`ssao_gl.plan` or :func:`ssao_gl.render`.
         """
         if draw := drawn_to_budget("render_planned", budget):
             return draw(self, scene, camera, size, settings=settings, aovs=aovs, timed=timed, checked=checked)
+        size, aovs = pixel_size(size), aov_names(aovs)
         made, frame, seen = self._ready(scene, camera, size, settings, aovs)
         started = time.perf_counter()
         drawn = frame.run(made.view, scene=seen, region=made.region, checked=checked)
-        arrays = {name: read_aov(drawn, name) for name in aovs}
+        seen_through = made.settings.shading.background_rgba[3] < 1
+        arrays = {name: read_aov(drawn, name, alpha=name == "image" and seen_through) for name in aovs}
         self._check("drawing")
         report = self._report(made.settings, size, frame, time.perf_counter() - started)
         report |= time_passes(frame, timed, made.view, scene=seen, region=made.region)
@@ -120,7 +123,7 @@ class Renderer:
 
     @_current
     def time(
-        self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
+        self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: str | Sequence[str] = ("image",)
     ) -> Sequence[PassTime]:
         """Draw one frame with every pass timed, and read nothing back."""
         made, frame, seen = self._ready(scene, camera, size, settings, aovs)
@@ -128,7 +131,7 @@ class Renderer:
 
     @_current
     def frame(
-        self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: Sequence[str] = ("image",)
+        self, scene: Scene, camera: Camera, size: Size, settings: Settings, *, aovs: str | Sequence[str] = ("image",)
     ) -> Callable[[], object]:
         """Return a function that draws the frame again and waits for nothing: what a loop of one's own would call."""
         made, frame, seen = self._ready(scene, camera, size, settings, aovs)
@@ -141,7 +144,14 @@ class Renderer:
 
     @_current
     def resource(
-        self, scene: Scene, camera: Camera, size: Size, settings: Settings, name: str, *, aovs: Sequence[str] = ("visibility",)
+        self,
+        scene: Scene,
+        camera: Camera,
+        size: Size,
+        settings: Settings,
+        name: str,
+        *,
+        aovs: str | Sequence[str] = ("visibility",),
     ) -> NDArray[Any] | None:
         """Return a resource of a drawn frame, as :meth:`DrawnFrame.read` gives it: row 0 at the bottom; None when the plan has none."""
         made, frame, seen = self._ready(scene, camera, size, settings, aovs)
@@ -150,18 +160,18 @@ class Renderer:
         return frame.run(made.view, scene=seen, region=made.region).read(name)
 
     def _ready(
-        self, scene: Scene, camera: Camera | None, size: Size, settings: Settings | None, aovs: Sequence[str]
+        self, scene: Scene, camera: Camera | None, size: Size, settings: Settings | None, aovs: str | Sequence[str]
     ) -> tuple[FrameSetup, FrameExecutor, SceneView]:
         """Put everything on the GPU for a frame: the scene, the plan's textures."""
+        size, aovs = pixel_size(size), aov_names(aovs)
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
-        seen = SceneView(self._uploaded_scene(scene, size), camera)
+        seen = SceneView(self._uploaded_scene(scene), camera)
         made = frame_setup(scene, camera, size, settings or Settings(), self.ctx.max_size)
         key = ("render", made.settings, made.outer, tuple(aovs), made.triangles)
         return made, self._frames.get(key, lambda: made.plan(aovs), self._check_room), seen
 
-    def _uploaded_scene(self, scene: Scene, size: Size) -> SceneBuffers:
-        """Return the scene on the GPU. Raises SettingsError for a size that cannot be."""
-        check_size(size)
+    def _uploaded_scene(self, scene: Scene) -> SceneBuffers:
+        """Return the scene on the GPU."""
         if self._scene is None or self._scene.scene is not scene:
             if self._scene is not None:
                 self._scene.release()
@@ -186,7 +196,7 @@ class Renderer:
         normals: NDArray[Any] | None = None,
         depth_kind: str = "eye",
         settings: Settings | None = None,
-        aovs: Sequence[str] = ("visibility", "depth", "normal"),
+        aovs: str | Sequence[str] = ("visibility", "depth", "normal"),
         timed: int = 0,
         checked: bool = False,
         **budget: float | None,
@@ -200,6 +210,7 @@ class Renderer:
         if draw := drawn_to_budget("apply_planned", budget):
             given = {"color": color, "normals": normals, "depth_kind": depth_kind}
             return draw(self, depth, camera, settings=settings, **given, aovs=aovs, timed=timed, checked=checked)
+        aovs = aov_names(aovs)
         depth, color, normals = check_arrays(depth, color, normals)
         h, w = depth.shape
         size = (w, h)
@@ -237,7 +248,8 @@ class Renderer:
 
         Returns it, and the time that each pass took.
         """
-        seen = SceneView(self._uploaded_scene(scene, size), camera)
+        size = pixel_size(size)
+        seen = SceneView(self._uploaded_scene(scene), camera)
         frame = self._frames.get(("filter", blur, size), lambda: plan_filter(blur, size), self._check_room)
         with self._uploaded({GIVEN_VISIBILITY: check_arrays(visibility, None, None)[0]}) as inputs:
             drawn = frame.run(camera.view(size), inputs, scene=seen, timed=True)

@@ -224,9 +224,9 @@ class Scene:
         """How many triangles are drawn, instances counted each."""
         return sum(len(mesh.triangles) * len(mesh.transforms) for mesh in self.drawn)
 
-    def default_radius(self) -> float:
-        """Return an AO radius that suits objects seen whole."""
-        return RADIUS_SHARE * float(np.linalg.norm(self.core[1] - self.core[0])) or 1.0
+    def default_radius(self, share: float = RADIUS_SHARE) -> float:
+        """Return a share of the scene's size, of its diagonal without strays, as AO radius; the default suits objects seen whole."""
+        return share * float(np.linalg.norm(self.core[1] - self.core[0])) or 1.0
 
     def default_camera(
         self, size: Size = (4, 3), *, azimuth: float = 0.6, elevation: float = 0.45, yfov: float = 0.7

@@ -85,6 +85,7 @@ class Job:
         facts = [
             code_fingerprint(), ctx.provider, ctx.renderer, ctx.version, self.size, self.settings.table(), self.aovs,
             [self.keeps_values(aov) for aov in self.aovs], self.bits, self.layout.table(), self.scene.name, self.camera.name,
+            self.scene.background,
         ]  # fmt: skip
         digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
         add_arrays(digest, (self.camera.lens.matrix(self.size), self.camera.pose))

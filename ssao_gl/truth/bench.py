@@ -1,4 +1,4 @@
-"""How much of Embree's speed reaches a picture: ``python -m ssao_gl.truth.bench SCENE [FILE.cam.json:NAME]``.
+"""How much of Embree's speed reaches a picture; ``ssao-gl truth --bench`` says it.
 
 The same rays go through bare embreex calls, with origins and directions ready in memory, and through the tracer, which
 makes them. Rounds are interleaved, so that what else the machine does hits both.
@@ -6,9 +6,7 @@ makes them. Rounds are interleaved, so that what else the machine does hits both
 
 from __future__ import annotations
 
-import argparse
 import statistics
-import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -16,13 +14,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from ..loaders.camera_files import load_camera
-from ..loaders.load import load_scene
 from ..sampling.hemisphere import hemisphere_directions, sobol_points
 from .rays import DIAMETER, threads
 from .settings import Tracing
 from .sums import blocks
-from .surface import Surface, surface
+from .surface import Surface
 from .trace import local_radius, means
 
 F32 = NDArray[np.float32]
@@ -70,25 +66,3 @@ def _timed(job: Callable[[], int]) -> tuple[float, int]:
     started = time.perf_counter()
     result = job()
     return time.perf_counter() - started, result
-
-
-def main() -> None:
-    """Print the speeds."""
-    parser = argparse.ArgumentParser(prog="python -m ssao_gl.truth.bench", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("camera", nargs="?", help="FILE.cam.json:NAME")
-    parser.add_argument("--size", nargs=2, type=int, default=(640, 360), metavar=("W", "H"))
-    parser.add_argument("--spp", type=int, default=256)
-    given = parser.parse_args()
-    scene, size = load_scene(given.scene), (given.size[0], given.size[1])
-    camera = load_camera(given.camera) if given.camera else scene.default_camera(size)
-    tracing = Tracing(radius=camera.ao_radius or scene.default_radius(), spp=given.spp)
-    for workers, (bare, traced) in bench(surface(scene, camera, size), tracing).items():
-        share = 100 * traced / bare
-        sys.stdout.write(
-            f"{workers} thread{'s' if workers > 1 else ''}: embreex {bare:.2f}, ssao_gl {traced:.2f} million rays/s: {share:.0f} %\n"
-        )
-
-
-if __name__ == "__main__":
-    main()

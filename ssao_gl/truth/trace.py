@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..render.arrays import check_size
+from ..render.arrays import pixel_size
 from ..render.picture import Picture
 from ..sampling.falloff import Falloff, rho
 from ..sampling.hemisphere import hemisphere_directions, sobol_points
@@ -99,7 +99,7 @@ def trace(
     Ctrl-C; the same call takes it up again and gives the same bytes as one that was never cut.
     Raises SettingsError, SceneError; FormatError when the folder cannot be written.
     """
-    check_size(size)
+    size = pixel_size(size)
     tracing = (tracing or Tracing()).with_radius(camera.ao_radius or scene.default_radius())
     if cache is None:
         return gather(surface(scene, camera, size), tracing, progress=progress)

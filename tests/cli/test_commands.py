@@ -13,7 +13,8 @@ import pytest
 import trimesh
 from PIL import Image
 
-from ssao_gl.cli import _COMMANDS, main
+from ssao_gl.cli import main
+from ssao_gl.cli.help_pages import COMMANDS
 from ssao_gl.cli.options import ViewOptions
 from ssao_gl.io import images
 from ssao_gl.methods.registry import registry
@@ -101,6 +102,96 @@ def test_settings_from_everywhere(run: Any) -> None:
     settings = json.loads(Path("a.json").read_text())["settings"]
     assert settings["method"] == "lecture" and settings["blur"] == "none"
     assert settings["lecture"]["samples"] == 8 and settings["lecture"]["radius"] == 0.02
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(
+    "options",
+    [
+        (),
+        ("--method", "gtao", "--blur", "none", "--set", "shading.ambient=0.5", "--keep", "open"),
+        ("--preset", "high", "--radius", "7%", "--set", "blur.radius=3", "--set", "normals=shading"),
+    ],
+)
+def test_settings_are_dumped_and_read(options: tuple[str, ...], run: Any) -> None:
+    """What --dump-config writes gives the same file by --config."""
+    run("render", *options, "--dump-config", "a.toml", "-o", "a.png", *SIZE)
+    run("render", "--config", "a.toml", "-o", "b.png", *SIZE)
+    assert Path("a.png").read_bytes() == Path("b.png").read_bytes()
+    assert ("\nradius = " in Path("a.toml").read_text().split("[blur")[0]) == ("--radius" in options), (
+        "what is automatic stays so"
+    )
+
+
+@pytest.mark.gl
+def test_radius_as_a_share(run: Any) -> None:
+    """Of the scene's diagonal; of the image for methods whose radius is one."""
+    trimesh.creation.box((3, 4, 12)).export("box.ply")
+    for options, radius in ((("--radius", "10%"), 1.3), (("--method", "lecture", "--radius", "10%"), 0.1)):
+        run("render", "box.ply", *options, "-o", "a.png", "--json", "a.json", *SIZE)
+        settings = json.loads(Path("a.json").read_text())["settings"]
+        assert settings[settings["method"]]["radius"] == pytest.approx(radius)
+    assert "radius 1.3," in run("truth", "box.ply", "--radius", "10%", "--spp", 1, "--no-cache", "-o", "t.png", *SIZE)
+    prepare()
+    run("apply", "--depth", "d.npy", "--ortho", 3, "--radius", "10%", "-o", "a.png", "--json", "a.json")
+    radius = json.loads(Path("a.json").read_text())["settings"]["bitmask"]["radius"]
+    run("apply", "--depth", "d.npy", "--ortho", 3, "-o", "a.png", "--json", "a.json")
+    assert json.loads(Path("a.json").read_text())["settings"]["bitmask"]["radius"] == pytest.approx(0.3 * radius)
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("more", [(), ("--tile", 64)])
+def test_transparent_background(more: tuple[Any, ...], run: Any) -> None:
+    """RGBA in PNG and in arrays, at once and in tiles."""
+    trimesh.creation.icosphere(3).export("ball.ply")
+    wide = ("--size", "160x120", "--background", "transparent")
+    run("render", "ball.ply", "-o", "out/", "--aov", "image,depth", *wide, *more)
+    image, depth = np.load("out/image.npy"), np.load("out/depth.npy")
+    assert image.shape == (120, 160, 4) and np.array_equal(image[..., 3] == 255, depth > 0) and (image[depth == 0] == 0).all()
+    assert np.array_equal(images.load_image("out/image.png"), image)
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("suffix", ["gif", "webp", "apng"])
+def test_transparent_turntable(suffix: str, run: Any) -> None:
+    trimesh.creation.icosphere(3).export("ball.ply")
+    run("render", "ball.ply", "--turntable", 2, "-o", f"turn.{suffix}", "--background", "transparent", *SIZE)
+    with Image.open(f"turn.{suffix}") as image:
+        alpha = np.asarray(image.convert("RGBA"))[..., 3]
+    assert alpha[0, 0] == 0 and alpha[24, 32] == 255
+
+
+@pytest.mark.gl
+def test_old_background(run: Any) -> None:
+    run("render", "--background", "white", "-o", "a.png", *SIZE)
+    run("render", "-o", "b.png", *SIZE)
+    white, calm = images.load_image("a.png"), images.load_image("b.png")
+    changed = (white != calm).any(-1)
+    assert (white[changed] == 255).all() and (calm[changed] == [0x9A, 0xA5, 0xB1]).all() and changed.any()
+
+
+def test_up_by_an_axis(tmp_path: Path) -> None:
+    """``--up z`` stands the file on its z axis, whichever camera looks at it."""
+    trimesh.creation.cylinder(0.5, 3).export(tmp_path / "part.obj")
+    trimesh.creation.cylinder(0.5, 3).export(tmp_path / "part.stl")
+
+    def pose(name: str, **options: Any) -> Any:
+        view = ViewOptions(size="64x48", **options)
+        return view.choose(view.load(tmp_path / name)).pose
+
+    assert pose("part.obj", up="z") == pytest.approx(pose("part.stl"), abs=1e-6) == pose("part.obj", up_axis="z")
+    assert pose("part.stl", up="y") == pytest.approx(pose("part.obj"), abs=1e-6)
+    assert pose("part.obj", up="z", eye="5,4,3") == pytest.approx(pose("part.obj", up="0,0,1", eye="5,4,3"))
+    assert pose("part.obj", up="z")[2, 1] > 0.8 and pose("part.obj", up="x")[0, 1] > 0.8
+
+
+@pytest.mark.gl
+def test_spellings_of_numbers(run: Any) -> None:
+    """Vectors and sizes by spaces or commas, and whole floats."""
+    run("render", "--eye", "5,4,3", "--target", "0,0,0", "-o", "a.png", *SIZE)
+    run("render", "--eye", 5, 4, 3, "--target", 0, 0, 0, "-o", "b.png", "--size", "64.0x48.0")
+    run("render", "--eye", 5, 4, 3, "--target", 0, 0, 0, "-o", "c.png", "--size", 64, 48)
+    assert Path("a.png").read_bytes() == Path("b.png").read_bytes() == Path("c.png").read_bytes()
 
 
 @pytest.mark.gl
@@ -279,7 +370,7 @@ def test_version(run: Any) -> None:
     assert re.match(r"\d+\.\d+", run("--version"))
 
 
-@pytest.mark.parametrize("command", [*_COMMANDS, None])
+@pytest.mark.parametrize("command", [*COMMANDS, None])
 def test_help(command: str | None, run: Any) -> None:
     """Each option says what it is; numbers of a kind say their unit, and what may be left out says what happens then."""
     out = run(*([command] if command else []), "-h")

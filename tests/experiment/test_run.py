@@ -42,7 +42,7 @@ def report(folder: Path, *more: str) -> int:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("report")
-    assert report(made) == 0
+    assert report(made, "--latex") == 0
     return made
 
 
@@ -61,6 +61,46 @@ def test_all_files_are_there_and_tell_the_same(folder: Path) -> None:
         assert label in (folder / "report.md").read_text()
     for name in ("front-64x36", "front-cpu-64x36", "fitted-64x36", "passes-64x36", "split"):
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG") and "<svg" in (folder / f"{name}.svg").read_text()
+
+
+def test_measurements_are_a_line_each(folder: Path) -> None:
+    """The tidy table holds what the wide one does, and no line without a value."""
+    with (folder / "results.csv").open() as file:
+        wide = {(line["track"], line["variant"]): line for line in csv.DictReader(file)}
+    with (folder / "measurements.csv").open() as file:
+        lines = list(csv.DictReader(file))
+    keys = [tuple(line[name] for name in list(line)[:-1]) for line in lines]
+    assert len(set(keys)) == len(keys) and all(line["value"] for line in lines)
+    for line in lines:
+        row = wide[line["track"], line["variant"]]
+        assert (line["scene"], line["width"]) == (row["scene"], row["width"])
+        if line["quantity"] == "error":
+            assert line["value"] == row[line["part"]]
+        if line["quantity"] == "time" and line["statistic"] == "median" and not line["part"].startswith("pass "):
+            assert line["value"] == row[line["part"] + {"wall": "_ms", "cpu": "_cpu_ms"}[line["clock"]]]
+    found = {(line["quantity"], line["unit"]) for line in lines}
+    assert found == {
+        ("error", ""),
+        ("error", "dB"),
+        ("time", "ms"),
+        ("baseline", "ms"),
+        ("prepared", "ms"),
+        ("prepared", "bytes"),
+    }
+    errors = sum(
+        bool(row[key]) for row in wide.values() for key in ("rmse", "bias", "p95", "p99", "max", "psnr", "ssim", "flip")
+    )
+    assert sum(line["part"] in ("rmse", "bias", "p95", "p99", "max", "psnr", "ssim", "flip") for line in lines) == errors
+
+
+def test_tables_for_papers(folder: Path) -> None:
+    """Environments match, rows have a cell for each column, and nothing is left that LaTeX takes for markup."""
+    text = (folder / "report.tex").read_text()
+    assert text.count(r"\begin{table}") == text.count(r"\end{table}") == text.count(r"\toprule") >= 5
+    for align, body in re.findall(r"\\begin{tabular}{([lr]+)}(.*?)\\end{tabular}", text, re.DOTALL):
+        rows = [line for line in body.splitlines() if line.endswith(r"\\")]
+        assert rows and all(len(re.findall(r"(?<!\\)&", row)) == len(align) - 1 for row in rows)
+    assert not re.search(r"(?<!\\)[#_]|[×≤●–]", re.sub(r"^%.*$", "", text, flags=re.MULTILINE))
 
 
 def test_errors_are_sound(folder: Path) -> None:

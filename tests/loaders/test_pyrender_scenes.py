@@ -156,7 +156,8 @@ def test_the_same_picture_as_our_own_scene(any_renderer: ao.Renderer) -> None:
         )
         for m in (mesh, floor)
     ]
-    ours = Scene(draws, cameras=[ao.Camera.perspective(0.9, 0.5, 20.0, as_camera(theirs).pose)])
+    white = (1.0, 1.0, 1.0, 1.0)  # pyrender's own default
+    ours = Scene(draws, cameras=[ao.Camera.perspective(0.9, 0.5, 20.0, as_camera(theirs).pose)], background=white)
     asked = {"size": (160, 120), "aovs": ("image", "visibility", "depth", "normal")}
     first, second = (any_renderer.render(as_scene(scene), **asked) for scene in (theirs, ours))  # type: ignore[arg-type]
     assert first.visibility.min() < 0.9 and first.image.std() > 5

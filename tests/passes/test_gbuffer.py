@@ -58,7 +58,37 @@ def test_background_is_exact(renderer: ao.Renderer) -> None:
     sky = picture.depth == 0
     assert 0.5 < sky.mean() < 1
     assert (picture.visibility[sky] == 1).all() and (picture.normal[sky] == 0).all()
-    assert (picture.image[sky] == [0x20, 0x40, 0x60]).all()
+    assert (picture.image[sky] == [0x20, 0x40, 0x60]).all() and (picture.color[sky] == 255).all()
+
+
+def test_the_default_background_is_of_the_image_alone(renderer: ao.Renderer) -> None:
+    """A scene without one gets the calm colour, a scene with one its own; other buffers stay as they are."""
+    scene = Scene([quad((0, 0, -5), (0.5, 0, 0), (0, 0.5, 0))])
+    plain, white = renderer.render(scene, camera(), SIZE, aovs=ALL), ao.Settings(shading=ao.Shading(background="white"))
+    own = renderer.render(dataclasses.replace(scene, background=(0.0, 0.0, 1.0, 1.0)), camera(), SIZE, aovs=ALL)
+    old = renderer.render(dataclasses.replace(scene, background=(0.0, 0.0, 1.0, 1.0)), camera(), SIZE, white, aovs=ALL)
+    sky = plain.depth == 0
+    for picture, color in ((plain, [0x9A, 0xA5, 0xB1]), (own, [0, 0, 255]), (old, [255, 255, 255])):
+        assert (picture.image[sky] == color).all()
+        assert np.array_equal(picture.image[~sky], plain.image[~sky])
+        for name in set(ALL) - {"image"}:
+            assert np.array_equal(picture.arrays[name], plain.arrays[name]), name
+    assert own.report["settings"]["shading"]["background"] == "#0000ffff"
+
+
+@pytest.mark.parametrize("keep", [(), ("background",)])
+def test_a_transparent_background(renderer: ao.Renderer, keep: tuple[str, ...]) -> None:
+    """RGBA, alpha 0 behind the scene and 255 on it; when asked for, or when the scene's own is."""
+    scene = Scene([quad((0, 0, -5), (0.5, 0, 0), (0, 0.5, 0))])
+    settings = ao.Settings(shading=ao.Shading(background="transparent"), keep=keep)
+    clear = renderer.render(scene, camera(), SIZE, settings, aovs=("image", "depth", "color"))
+    opaque = renderer.render(scene, camera(), SIZE, aovs=("image",))
+    sky = clear.depth == 0
+    assert clear.image.shape == (*sky.shape, 4) and clear.color.shape == (*sky.shape, 3)
+    assert (clear.image[sky] == 0).all() and (clear.image[~sky][:, 3] == 255).all()
+    assert np.array_equal(clear.image[~sky][:, :3], opaque.image[~sky])
+    own = renderer.render(dataclasses.replace(scene, background=(0.0, 0.0, 0.0, 0.0)), camera(), SIZE)
+    assert np.array_equal(own.image, clear.image)
 
 
 def test_an_instance_is_drawn_for_each_transform(renderer: ao.Renderer) -> None:

@@ -117,7 +117,7 @@ ARGUMENTS: dict[str, str] = {
     "render --radius nan": "bitmask.radius=nan: must be a finite number",
     "render --radius inf": "must be a finite number",
     "render --radius -1": "must be above 0 (scene units)",
-    "render --radius wide": "unable to convert",
+    "render --radius wide": "a number of scene units, or a share",
     "render --method alchmy": "Did you mean 'alchemy'?",
     "render --blur joit": "Did you mean 'joint'?",
     "render --set foo": "must be key=value",
