@@ -28,6 +28,13 @@ def __getattr__(name: str) -> Any:
         now = _RENAMED[name]
         warnings.warn(f"ssao_gl.{name} is called ssao_gl.{now} now; the old name goes in 0.3", DeprecationWarning, stacklevel=2)
         return _public(now)
+    if name not in __all__ and not name.startswith("_"):
+        from .errors import near_miss
+        from .methods.registry import registry
+
+        known = f" Methods go by name: ssao_gl.method('{name.lower()}')." if name.lower() in registry() else ""
+        guess = known or near_miss(name, __all__)
+        raise AttributeError(f"ssao_gl has no '{name}'.{guess}")
     return _public(name)
 
 

@@ -2,29 +2,43 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import FormatError, one_line
 from .gl.context import Context
 from .loaders.as_scene import as_camera, as_scene
 from .methods.base import Method
-from .passes.denoise import Filter, Joint, filter_named
-from .pipeline.settings import Settings, Shading, as_method
+from .passes.denoise import Filter, Joint
+from .pipeline.settings import Settings, Shading, as_filter, as_method
 from .planner import Target, render_planned
+from .render.arrays import pixel_size
 from .render.picture import Picture
 from .render.renderer import Renderer
 from .scene.projection import Size
+from .scene.screen_bounds import unseen
 
 
 def settings_of(
     method: Method | str | None = None, blur_with: Filter | str | None = "joint", shading: Shading | None = None
 ) -> Settings:
     """Return settings from parts or their names."""
-    chosen = filter_named(blur_with) if isinstance(blur_with, str) else blur_with
-    return Settings(method=as_method(method), blur=chosen, shading=shading or Shading())
+    return Settings(method=as_method(method), blur=as_filter(blur_with), shading=shading or Shading())
+
+
+def _array(name: str, value: ArrayLike) -> NDArray[Any]:
+    """Return an array. Raises FormatError for what cannot be one."""
+    if isinstance(value, str | Path):
+        raise FormatError(f"{name} is the name of a file; expected an array: read it first, by numpy.load or Pillow")
+    try:
+        return np.asarray(value)
+    except ValueError as error:
+        raise FormatError(f"{name}: expected an array; {one_line(error, 120)}") from None
 
 
 def render(
@@ -51,6 +65,8 @@ def render(
     target = Target(budget_ms=budget_ms, max_error=max_error) if (budget_ms, max_error) != (None, None) else None
     with Renderer(provider) as renderer:
         seen = None if camera is None else as_camera(camera)
+        if why := unseen(drawn, seen, pixel_size(size)):
+            logging.getLogger("ssao_gl").warning("%s", why)
         return render_planned(renderer, drawn, seen, size, target, settings_of(method, blur, shading), aovs=aovs)
 
 
@@ -76,10 +92,10 @@ def apply(
     settings = settings_of(method, blur, Shading(ambient=strength))
     with Renderer(provider) as renderer:
         return renderer.apply(
-            np.asarray(depth),
+            _array("depth", depth),
             as_camera(camera),
-            color=None if color is None else np.asarray(color),
-            normals=None if normals is None else np.asarray(normals),
+            color=None if color is None else _array("color", color),
+            normals=None if normals is None else _array("normals", normals),
             depth_kind=depth_kind,
             settings=settings,
         )

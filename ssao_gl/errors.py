@@ -57,7 +57,8 @@ def one_line(text: object, limit: int = 300) -> str:
     return line if len(line) <= limit else line[: limit - 4] + " ..."
 
 
-def near_miss(name: str, known: Iterable[str]) -> str:
+def near_miss(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """``" Did you mean 'x'?"`` when something like ``name`` is known, else ``""``."""
-    close = get_close_matches(name, list(known), 1, 0.5)
-    return f" Did you mean '{close[0]}'?" if close else ""
+    plain = {word.casefold(): word for word in known}
+    close = get_close_matches(name.casefold(), list(plain), 1, cutoff)
+    return f" Did you mean '{plain[close[0]]}'?" if close else ""

@@ -8,12 +8,11 @@ import os
 import sys
 import traceback
 import warnings
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, CycloptsError, Parameter
 
-from ..errors import SettingsError, SsaoError, near_miss
+from ..errors import SsaoError
 from . import signals
 from .help_pages import ALL, COMMANDS, EXAMPLES, HELP_ALL, OF_METHODS
 from .planner import app as planner
@@ -40,12 +39,7 @@ app.command(planner)
 
 
 @app.default
-def _embedded(*words: Annotated[str, Parameter(show=False)]) -> int:
-    if words:
-        if Path(words[0]).is_file():
-            raise SettingsError(f"unknown command '{words[0]}'. Did you mean 'ssao-gl render {words[0]}'?")
-        known = (*COMMANDS, *planner.name)
-        raise SettingsError(f"unknown command '{words[0]}'; there are {', '.join(known)}.{near_miss(words[0], known)}")
+def _embedded() -> int:
     from .render import embedded
 
     return embedded()
@@ -77,7 +71,7 @@ def main(arguments: list[str] | None = None) -> None:
     tokens = joined_numbers(sys.argv[1:] if arguments is None else arguments)
     ALL.set(HELP_ALL in tokens)
     if tokens[:1] == ["help"]:
-        tokens = [*tokens[1:], "--help"]
+        tokens = [*tokens[1:2], "--help"]
     tokens = ["--help" if token == HELP_ALL else token for token in tokens]
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -86,6 +80,10 @@ def main(arguments: list[str] | None = None) -> None:
             )  # a terminal or pipe that cannot show a character is no reason to fail
     try:
         with signals.raised():
+            if tokens and tokens[0] not in COMMANDS:
+                from .mistakes import check_command
+
+                check_command(tokens, (*COMMANDS, *planner.name))
             code = app.meta(tokens, exit_on_error=False, print_error=False, result_action="return_value")
             sys.stdout.flush()
     except BrokenPipeError:  # the reader went away; there is nobody to tell, now or when Python flushes at its end
@@ -108,7 +106,9 @@ def _verdict(error: BaseException) -> tuple[int, str]:
         case KeyboardInterrupt():
             return EXIT_INTERRUPTED, "interrupted"
         case CycloptsError():
-            return 2, f"{' '.join(str(error).split())}  (ssao-gl COMMAND -h lists what there is)"
+            from .mistakes import explained
+
+            return 2, explained(error)
         case MemoryError():
             return 2, "out of memory; try a smaller --size or a smaller scene"
         case OSError():

@@ -10,6 +10,7 @@ from typing import Annotated
 import numpy as np
 from cyclopts import Parameter
 
+from ..errors import SettingsError
 from ..gl.overhead import without_draws
 from ..gl.timer import PassTime
 from ..graph.frame_graph import compile
@@ -22,12 +23,13 @@ from ..scene.model import Scene
 from ..scene.projection import Size
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import print_table, progress, say, write_json
+from .tokens import WHOLE
 
 
 def bench(
     scene: Path | None = None,
     *,
-    rounds: Annotated[int, Parameter(help="Interleaved rounds; medians are reported.")] = 15,
+    rounds: Annotated[int, WHOLE, Parameter(help="Interleaved rounds; medians are reported.")] = 15,
     gl: GlOption = "auto",
     json: JsonOption = None,
     view: ViewOptions = ViewOptions(),
@@ -40,12 +42,14 @@ def bench(
     scene
         Scene file. Without it: the embedded scene.
     """
+    if rounds < 1:
+        raise SettingsError(f"--rounds {rounds}: must be at least 1")
     settings, size = look.settings(), view.pixels()
     loaded = view.load(scene)
     settings = look.settled(settings, loaded.default_radius)
     camera = view.choose(loaded)
     with Renderer(gl) as renderer:
-        passes = _passes(renderer, loaded, camera, size, settings, max(rounds, 1))
+        passes = _passes(renderer, loaded, camera, size, settings, rounds)
         host = _host(renderer, loaded, camera, settings)
         where = f"{renderer.ctx.provider}, {renderer.ctx.renderer}"
     look.dump(settings)

@@ -26,6 +26,7 @@ from .options import GlOption, LookOptions, ViewOptions
 from .output import say
 from .plan_options import PlanOptions, drawn_at_once, listed, tell
 from .tile_options import TileOption
+from .tokens import WHOLE
 
 
 def explain(
@@ -36,7 +37,7 @@ def explain(
         bool,
         Parameter(negative="", help="Draw the view with the rules of leaving out on and off: share shaded, time, difference."),
     ] = False,
-    rounds: Annotated[int, Parameter(help="Interleaved rounds of --measure; medians are reported.")] = 5,
+    rounds: Annotated[int, WHOLE, Parameter(help="Interleaved rounds of --measure; medians are reported.")] = 5,
     tile: TileOption = None,
     gl: GlOption = "auto",
     json: Annotated[bool, Parameter(name="--json", negative="", help="As JSON.")] = False,

@@ -7,7 +7,6 @@ from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
 from cyclopts import Group
-from cyclopts.help import DefaultFormatter
 
 if TYPE_CHECKING:
     from cyclopts.help import HelpPanel
@@ -63,6 +62,8 @@ OF_METHODS = (
 def _folded(console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
     """Print the panel whole when all is asked for, else the names that are in it."""
     if ALL.get():
+        from cyclopts.help import DefaultFormatter
+
         DefaultFormatter()(console, options, panel)
     elif panel.entries:
         names = ", ".join(entry.positive_names[-1] for entry in panel.entries)

@@ -23,7 +23,7 @@ from ..scene.projection import Matrix, Size
 from ..settings import assign
 from .help_pages import OCCLUSION, OUTPUT, RARE, VIEW
 from .output import check_output, check_radius, parse_size, parse_vector, write_text
-from .tokens import parse_share
+from .tokens import WHOLE, parse_share
 
 
 def _option(text: str, *, rare: bool = False) -> Parameter:
@@ -48,7 +48,7 @@ class LookOptions:
             " [default: the camera file's ao_radius, else 3%]"
         ),
     ] = None
-    samples: Annotated[int | None, _option("Taps a pixel, of methods that count them. [default: the method's]")] = None
+    samples: Annotated[int | None, WHOLE, _option("Taps a pixel, of methods that count them. [default: the method's]")] = None
     blur: Annotated[str | None, _option("Filter: none, lecture, separable or joint. [default: joint]")] = None
     set: Annotated[
         tuple[str, ...],
@@ -173,6 +173,8 @@ class ViewOptions:
             return scene if axis == "auto" else dataclasses.replace(scene, up=up_direction(axis))
         if not 0 <= self.crease_deg <= 180:
             raise SettingsError(f"--crease-deg {self.crease_deg:g}: must be 0 to 180")
+        if self.time and self.animation is None:
+            raise SettingsError(f"--time {self.time:g}: is the moment of an animation; add --animation NAME")
         if self.point_size is not None and not 0 < self.point_size < math.inf:
             raise SettingsError(f"--point-size {self.point_size:g}: must be above 0 (scene units)")
         scene = load_scene(

@@ -16,7 +16,9 @@ from ..scene.projection import Size
 from .options import GlOption
 from .output import check_json, comma_list, parse_size, say, write_json
 
-app = App(name="planner", help="Fit the planner's table of errors, or check how good its plans are.", show=False)
+app = App(
+    name="planner", help="Fit the planner's table of errors, or check how good its plans are.", show=False, help_epilogue=""
+)
 
 
 def _listed(text: str, *names: str) -> Parameter:

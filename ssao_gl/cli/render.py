@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import logging
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ from ..render.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
+from ..scene.screen_bounds import unseen
 from ..tiling.job import Job
 from ..tiling.layout import layout
 from .help_pages import OUTPUT, RARE
@@ -31,6 +33,7 @@ from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, progress, say, write_json
 from .plan_options import PlanOptions, compared, drawn_at_once, expected
 from .tile_options import TileOption, draw_tiles, rendered_line
+from .tokens import WHOLE
 
 ANIMATIONS = (".gif", ".webp", ".apng")
 TIMED_FRAMES = 5
@@ -56,9 +59,10 @@ class PictureOptions:
             help=f"What to write, by commas: {', '.join(AOVS)}. [default: image for PNG, visibility for arrays, both for folders]",
         ),
     ] = None
-    bits: Annotated[int, Parameter(group=RARE, help="Bits a pixel of grey PNG files: 8 or 16.")] = 8
+    bits: Annotated[int, WHOLE, Parameter(group=RARE, help="Bits a pixel of grey PNG files: 8 or 16.")] = 8
     turntable: Annotated[
         int,
+        WHOLE,
         Parameter(
             help="Number of frames of a turn about the scene: files in a folder, or a .gif, .webp or .apng file; 0: one picture.",
         ),
@@ -105,6 +109,8 @@ def render(
     loaded = view.load(scene)
     settings = look.settled(settings, loaded.default_radius)
     camera = view.choose(loaded)
+    if blind := unseen(loaded, camera, size):
+        logging.getLogger("ssao_gl").warning("%s", blind)
     with Renderer(gl) as renderer:
         if to.turntable:
             look.dump(_turn(renderer, loaded, camera, size, settings, target, aovs, to))
@@ -125,7 +131,9 @@ def render(
         _save(picture, to)
     look.dump(settings, report["settings"] if target else None)
     if to.json:
-        write_json(to.json, {**report, "warnings": [*report.get("warnings", ()), *loaded.warnings]})
+        write_json(
+            to.json, {**report, "warnings": [*report.get("warnings", ()), *loaded.warnings, *([blind] if blind else [])]}
+        )
     return 0
 
 

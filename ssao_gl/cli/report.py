@@ -30,6 +30,7 @@ from ..truth.settings import NORMALS
 from .help_pages import GATE, OF_TRUTH, OUTPUT, SWEEP
 from .options import GlOption
 from .output import QUIET, comma_list, parse_size, say
+from .tokens import WHOLE
 
 Listed = tuple[str, ...]
 
@@ -54,7 +55,7 @@ class SweepOptions:
     cameras: Annotated[
         Listed, _option("Names by commas, or all. [default: all of NAME.cam.json beside the scene]", SWEEP, "--cameras")
     ] = ()
-    rounds: Annotated[int, Parameter(help="Interleaved rounds of timing.")] = 5
+    rounds: Annotated[int, WHOLE, Parameter(help="Interleaved rounds of timing.")] = 5
     fit: Annotated[
         str | None,
         _option("Scenes, by commas, on which the fitted track is fitted; none. [default: every second]", SWEEP, "--fit"),
@@ -88,7 +89,7 @@ class SweepOptions:
 class TruthOptions:
     """What it is measured against."""
 
-    spp: Annotated[int, Parameter(help="Rays a pixel of the truth.")] = 256
+    spp: Annotated[int, WHOLE, Parameter(help="Rays a pixel of the truth.")] = 256
     falloff: Annotated[str, Parameter(help=f"How a blocker counts with distance: {', '.join(Falloff)}.")] = Falloff.HARD.value
     normals: Annotated[str, Parameter(help=f"Hemisphere about which normal: {' or '.join(NORMALS)}.")] = NORMALS[0]
     cache: Annotated[

@@ -27,6 +27,7 @@ from ..stress.report import SUFFIXES, StressResults, matrix, save_stress_report
 from ..stress.specimen import DEFAULT, Specimen, specimens
 from ..stress.verdicts import FAIL, run_cases, runs
 from .output import check_output, print_table, progress, say
+from .tokens import WHOLE
 
 Listed = tuple[str, ...]
 ACROSS = 10
@@ -49,9 +50,9 @@ class CaseOptions:
     methods: Annotated[Listed, _option("Methods by commas. [default: all]")] = ()
     presets: Annotated[Listed, _option("Presets by commas, or all. [default: every method as shipped]")] = ()
     precision: Annotated[str, Parameter(help="Of the shaders: high or mobile.")] = "high"
-    seed: Annotated[int, Parameter(help="Of the random cases.")] = 0
+    seed: Annotated[int, WHOLE, Parameter(help="Of the random cases.")] = 0
     number: Annotated[
-        int | None, _option(f"Random cases, over all methods. [default: {RANDOM}; none with --only]", "--cases")
+        int | None, WHOLE, _option(f"Random cases, over all methods. [default: {RANDOM}; none with --only]", "--cases")
     ] = None
     only: Annotated[Listed, _option(f"Cases by commas; {PREFIX}N is the random case N. [default: all]")] = ()
 

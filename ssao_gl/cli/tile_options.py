@@ -13,9 +13,11 @@ from ..render.renderer import Renderer
 from ..tiling.job import Job, draw
 from .help_pages import RARE
 from .output import progress, say
+from .tokens import WHOLE
 
 TileOption = Annotated[
     int | None,
+    WHOLE,
     Parameter(
         name="--tile",
         group=RARE,

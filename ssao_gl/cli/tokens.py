@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
+
+from cyclopts import Parameter, Token
+
+from ..errors import SettingsError
 
 LISTS: Mapping[str, tuple[int, str]] = {
     "--size": (2, "x"),
@@ -28,6 +33,22 @@ def joined_numbers(words: Sequence[str]) -> list[str]:
             found.append(between.join(numbers))
             del rest[:count]
     return found
+
+
+def whole_number(kind: object, tokens: Sequence[Token]) -> int:
+    """Return the number of an option; whole floats are taken, others are not rounded. Raises SettingsError."""
+    option, text = tokens[0].keyword or "", tokens[0].value
+    try:
+        number = int(text) if re.fullmatch("[+-]?[0-9]+", text) else float(text)
+        if number == int(number):
+            return int(number)
+    except (ValueError, OverflowError):
+        pass
+    raise SettingsError(f"{option} {text[:40]}: must be a whole number".strip())
+
+
+WHOLE = Parameter(converter=whole_number)
+"""Beside the type of an option that is a whole number."""
 
 
 def is_number(text: str) -> bool:

@@ -26,7 +26,7 @@ from ..truth.trace import TraceProgress
 from .help_pages import OUTPUT, RAYS
 from .options import ViewOptions
 from .output import QUIET, check_json, check_output, check_radius, say, write_json
-from .tokens import parse_share
+from .tokens import WHOLE, parse_share
 
 
 @Parameter(name="*", group=RAYS)
@@ -48,6 +48,7 @@ class RayOptions:
     ] = NORMALS[0]
     spp: Annotated[
         int | None,
+        WHOLE,
         Parameter(
             help=f"Rays a pixel, rounded up to whole batches; with --max-stderr at most so many. [default: {SPP}; with --max-stderr {MOST_SPP}]",
         ),
@@ -55,7 +56,7 @@ class RayOptions:
     max_stderr: Annotated[
         float | None, Parameter(help="Stop when the root mean square of the pixels' standard errors is below this.")
     ] = None
-    seed: Annotated[int, Parameter(help="Of the directions.")] = 0
+    seed: Annotated[int, WHOLE, Parameter(help="Of the directions.")] = 0
 
     def tracing(self) -> Tracing:
         """Return the settings of the rays. Raises SettingsError."""

@@ -135,7 +135,7 @@ def open_context(provider: str = "auto", *, api: Api | None = None) -> Context:
     """
     if provider != "auto" and provider not in PROVIDERS:
         names = ", ".join(["auto", *PROVIDERS])
-        raise SettingsError(f"--gl {provider}: unknown provider; one of {names}.{near_miss(provider, PROVIDERS)}")
+        raise SettingsError(f"unknown provider of OpenGL '{provider}'; there are {names}.{near_miss(provider, PROVIDERS)}")
     tried = list(PROVIDERS.values()) if provider == "auto" else [PROVIDERS[provider]]
     check_process()
     reasons = []

@@ -53,4 +53,8 @@ def as_camera(source: Any) -> Camera:
         return load_camera(str(source))
     if pyrender_scenes.is_pyrender_scene(source):
         return pyrender_scenes.camera_from_pyrender(source)
-    raise SettingsError(f"cannot use a {type(source).__name__} as camera; expected a Camera, a camera file or a pyrender.Scene")
+    size = "; the size is the argument after it: size=(width, height)" if isinstance(source, tuple) and len(source) == 2 else ""
+    raise SettingsError(
+        f"cannot use a {type(source).__name__} as camera; expected a Camera, by Camera.perspective or Camera.pinhole, a camera file"
+        f" or a pyrender.Scene{size}"
+    )

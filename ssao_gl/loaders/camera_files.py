@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, SsaoError, near_miss
+from ..errors import SceneError, SsaoError, near_miss, one_line
 from ..io.atomic import why_unreadable
 from ..scene.camera import Camera, Orthographic, Perspective, look_at
 
@@ -22,13 +22,13 @@ def load_cameras(path: Path | str) -> list[Camera]:
     """
     path = Path(path)
     if reason := why_unreadable(path):
-        raise SceneError(f"{path}: {reason}; expected a camera file (.cam.json)")
+        raise SceneError(f"{path}: {reason}; expected a camera file, FILE.cam.json or FILE.cam.json:NAME")
     if path.stat().st_size > MAX_BYTES:
         raise SceneError(f"{path}: larger than {MAX_BYTES >> 20} MiB; not a camera file")
     try:
         content = json.loads(path.read_text("utf-8"))
     except (ValueError, RecursionError) as error:
-        raise SceneError(f"{path}: not JSON ({error})") from None
+        raise SceneError(f"{path}: not JSON ({one_line(error, 120)}); expected a camera file, FILE.cam.json") from None
     listed = content.get("cameras") if isinstance(content, dict) else None
     if not isinstance(listed, list) or not listed:
         raise SceneError(f"{path}: expected an object with a list 'cameras'")

@@ -7,14 +7,14 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
-from ..errors import SettingsError, near_miss
+from ..errors import SettingsError, near_miss, one_line
 from ..glsl.preprocess import Define
 from ..methods.base import Method
 from ..methods.bitmask import Bitmask
 from ..methods.registry import method
-from ..passes.denoise import Filter, Joint
+from ..passes.denoise import Filter, Joint, filter_named
 from ..settings import as_table, setting, validate
 
 GUARD_STEP = 16
@@ -91,6 +91,10 @@ class Settings:
     """Rules of leaving out that are switched off, of :data:`CULLING_RULES`."""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "method", as_method(self.method))
+        object.__setattr__(self, "blur", as_filter(self.blur))
+        if not isinstance(self.shading, Shading):
+            raise SettingsError(f"shading={self.shading!r}: must be a Shading, like Shading(ambient=0.75)")
         validate(self)
         for rule in self.keep:
             if rule not in CULLING_RULES:
@@ -123,10 +127,28 @@ class Settings:
 
 
 def as_method(value: Method | str | None) -> Method:
-    """Return a method from its name, or itself; None is the default."""
+    """Return a method from its name, or itself; None is the default. Raises SettingsError."""
     if value is None:
         return Bitmask()
-    return method(value) if isinstance(value, str) else value
+    made = method(value) if isinstance(value, str) else value
+    return cast(Method, _record("method", made, "Bitmask(radius=0.3)"))
+
+
+def as_filter(value: Filter | str | None) -> Filter | None:
+    """Return a filter from its name, or itself; None is none. Raises SettingsError."""
+    if value is None:
+        return None
+    made = filter_named(value) if isinstance(value, str) else value
+    return made if made is None else cast(Filter, _record("blur", made, "Joint(radius=2)"))
+
+
+def _record(name: str, value: Any, like: str) -> Any:
+    """Raise SettingsError for what is no record of settings, or only its class."""
+    if isinstance(value, type):
+        raise SettingsError(f"{name}={value.__name__}: is a class; make one of it: {value.__name__}()")
+    if not (dataclasses.is_dataclass(value) and hasattr(value, "traits")):
+        raise SettingsError(f"{name}={one_line(repr(value), 60)}: must be a name in quotes, or settings like {like}")
+    return value
 
 
 def drawn_scale(settings: Settings) -> int:

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FormatError, SettingsError
+from ..errors import FormatError, SceneError, SettingsError
+from ..pipeline.settings import Settings
 from ..scene.camera import Camera
-from ..scene.model import RADIUS_SHARE
+from ..scene.model import RADIUS_SHARE, Scene
 from ..scene.projection import Size
 
 MAX_SIDE = 1 << 16
@@ -28,6 +29,18 @@ def pixel_size(size: Any) -> Size:
             f"size {shown}: must be (width, height) in whole pixels, sides from 1 to {MAX_SIDE}, like (1280, 720)"
         )
     return w, h
+
+
+def check_kinds(scene: object, camera: object, settings: object) -> None:
+    """Raise SceneError or SettingsError for what belongs to somebody else; the check that a type checker makes before."""
+    if not isinstance(scene, Scene):
+        raise SceneError(f"Renderer: cannot draw a {type(scene).__name__}; expected a Scene: ssao_gl.as_scene(...) makes one")
+    if not isinstance(camera, Camera | None):
+        raise SettingsError(f"Renderer: cannot use a {type(camera).__name__} as camera; expected a Camera")
+    if not isinstance(settings, Settings | None):
+        raise SettingsError(
+            f"Renderer: settings are a {type(settings).__name__}; expected Settings, like Settings(method=Bitmask())"
+        )
 
 
 def check_arrays(
@@ -58,8 +71,10 @@ def check_arrays(
 
 def radius_of(depth: NDArray[np.float32], camera: Camera, kind: str, share: float = RADIUS_SHARE) -> float:
     """Return an automatic radius for a depth image: a share of the extent of the middle 96 % of its points."""
+    if kind == "window":
+        raise SettingsError("radius: window depth needs a radius in scene units; give --radius, or the method's radius")
     if kind != "eye":
-        raise SettingsError("radius: window depth needs a radius in scene units")
+        raise SettingsError(f"depth kind '{kind}'; must be 'eye' (distance along the view axis) or 'window' (0 to 1)")
     usable = (depth > 2.0**-63) & (depth < 2.0**63)  # what linearize.frag takes for distances
     points = camera.view(depth.shape[::-1]).points(np.where(usable, depth, 0))[usable]
     if not len(points):

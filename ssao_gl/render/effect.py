@@ -26,6 +26,7 @@ from ..pipeline.build import WINDOW_DEPTH, check_camera, plan_apply
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera
 from ..scene.projection import Size
+from .arrays import pixel_size
 
 MOST_LAYOUTS = 4
 """Kinds of call (with and without colour, normals, ...) whose textures stay."""
@@ -54,7 +55,7 @@ class Effect:
 
     def __init__(self, ctx: moderngl.Context | Context, size: Size, settings: Settings | None = None) -> None:
         self._settings = _with_radius(settings or Settings())
-        self.size = _checked_size(*size)
+        self.size = _checked_size(*pixel_size(size))
         self._ctx = ctx if isinstance(ctx, Context) else wrap_moderngl(ctx)
         self._guest = GuestState(self._ctx)
         self._named: dict[int, moderngl.Texture] = {}

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FormatError, one_line
+from ..errors import FormatError, near_miss, one_line
 from ..io import images
 from ..io.atomic import atomic_write, is_folder, locked_folder, make_folder
 
@@ -37,7 +37,10 @@ class Picture:
             return np.asarray(arrays[name])
         if name in AOVS:
             raise AttributeError(f"this picture has no '{name}'; ask for it: aovs=({', '.join(map(repr, [*arrays, name]))})")
-        raise AttributeError(name)
+        if name.startswith("_"):  # what libraries look for
+            raise AttributeError(name)
+        known = [*arrays, "report", "save", "as_png", "texts"]
+        raise AttributeError(f"a picture has no '{name}'; this one has {', '.join(known)}.{near_miss(name, known)}")
 
     @property
     def texts(self) -> dict[str, str]:

@@ -33,7 +33,7 @@ from ..pipeline.settings import Settings
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
-from .arrays import check_arrays, pixel_size, radius_of
+from .arrays import check_arrays, check_kinds, pixel_size, radius_of
 from .deprecated import drawn_to_budget
 from .memory import check_room
 from .picture import Picture
@@ -164,6 +164,7 @@ class Renderer:
     ) -> tuple[FrameSetup, FrameExecutor, SceneView]:
         """Put everything on the GPU for a frame: the scene, the plan's textures."""
         size, aovs = pixel_size(size), aov_names(aovs)
+        check_kinds(scene, camera, settings)
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
         seen = SceneView(self._uploaded_scene(scene), camera)
         made = frame_setup(scene, camera, size, settings or Settings(), self.ctx.max_size)

@@ -41,7 +41,10 @@ class Perspective:
 
     def __post_init__(self) -> None:
         if not NARROWEST <= self.yfov <= math.pi - NARROWEST:
-            raise SettingsError(f"camera: yfov is {self.yfov:g} radians; it must lie between 0 and pi, and not at either")
+            degrees = f"; {self.yfov:g} degrees are math.radians({self.yfov:g})" if math.pi < self.yfov < 180 else ""
+            raise SettingsError(
+                f"camera: yfov is {self.yfov:g} radians; it must lie between 0 and pi, and not at either{degrees}"
+            )
         _check_range(self.znear, self.zfar)
 
     def matrix(self, size: Size) -> Matrix:
@@ -220,11 +223,15 @@ class Camera:
         ``pose`` is camera-to-world in OpenGL axes; ``world_to_camera`` is the OpenCV extrinsic matrix (x right, y down,
         z forward), (4, 4) or (3, 4), converted here. Give at most one.
         """
+        try:
+            w, h = size
+        except (TypeError, ValueError):
+            raise SettingsError(f"camera: size={size!r}; must be (width, height) of the image in pixels") from None
         if world_to_camera is not None:
             extrinsic = np.eye(4)
             extrinsic[:3] = np.asarray(world_to_camera, np.float64)[:3]
             pose = np.linalg.inv(extrinsic) @ np.diag([1.0, -1.0, -1.0, 1.0])
-        return cls(Pinhole(fx, fy, cx, cy, size[0], size[1], znear, zfar), _pose(pose))
+        return cls(Pinhole(fx, fy, cx, cy, w, h, znear, zfar), _pose(pose))
 
     @classmethod
     def from_matrix(cls, projection: ArrayLike, pose: ArrayLike | None = None, clip: ClipRange = "-1..1") -> Camera:

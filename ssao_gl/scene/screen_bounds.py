@@ -6,8 +6,9 @@ import itertools
 
 import numpy as np
 
-from .camera import Camera
-from .projection import Matrix, ViewConstants
+from .camera import Camera, Perspective
+from .model import Scene
+from .projection import Matrix, Size, ViewConstants
 
 
 def screen_bounds(bounds: Matrix, camera: Camera, view: ViewConstants) -> tuple[int, int, int, int] | None:
@@ -30,3 +31,20 @@ def screen_bounds(bounds: Matrix, camera: Camera, view: ViewConstants) -> tuple[
     high = np.clip(np.ceil(at.max(0)) + 1, 0, size)
     x, y, width, height = (int(v) for v in (*low, *np.maximum(high - low, 0)))
     return x, y, width, height
+
+
+def unseen(scene: Scene, camera: Camera | None, size: Size) -> str:
+    """Return one line when nothing of a scene can be in the image of a camera (None: an automatic one), else nothing."""
+    if camera is None:
+        return ""
+    corners = np.array(list(itertools.product(*scene.bounds.T)))
+    toward = (corners - camera.pose[:3, 3]) @ camera.pose[:3, 2]  # the camera looks along -z
+    name = scene.name or "the scene"
+    if isinstance(camera.lens, Perspective) and toward.min() >= 0:
+        return f"nothing is seen: {name} lies behind the camera; look at it by --target, or look_at(eye, target)"
+    rect = screen_bounds(scene.bounds, camera, camera.view(size))
+    return (
+        f"nothing is seen: {name} lies outside the image; look at it by --target, or look_at(eye, target)"
+        if rect and 0 in rect[2:]
+        else ""
+    )
