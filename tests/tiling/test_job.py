@@ -182,7 +182,7 @@ def test_explain_says_how_many_tiles(capsys: pytest.CaptureFixture[str]) -> None
     [
         ("--tile 0", "--tile 0: must be at least 64"),
         ("--tile -3", "--tile -3: must be at least 64"),
-        ("--tile many", "unable to convert"),
+        ("--tile many", "--tile many: must be a whole number"),
         ("--tile 30000 --size 40000x40000", "use at most"),
         ("--tile 64 --turntable 3 -o turn", "--tile is for one picture"),
         ("--tile 64 -o a.exr --size 60000x60000", "EXR files are made in memory"),
