@@ -16,7 +16,8 @@ from .process import check_process
 class Ownership:
     """The process and the thread that made a context, and the lock under which it is used.
 
-    rebinds: whether it can be made current in any thread once no other one holds it.
+    rebinds: whether it can be made current in any thread once no other one holds it. lock: contexts that spoil each other's
+    pictures share one.
     """
 
     rebinds: bool = False
@@ -41,5 +42,9 @@ class Ownership:
                 raise ContextError("no OpenGL context is current in this thread; make yours current first")
         elif not self.rebinds and self.thread != threading.get_ident():
             raise ContextError("this context can be used only in the thread that made it: make one Renderer a thread")
-        with self.lock:
+        if not self.lock.acquire(blocking=not self.inherited):  # nobody is left to unlock it
+            raise ContextError("this process was forked while another thread drew with this context: make a new Renderer")
+        try:
             yield
+        finally:
+            self.lock.release()

@@ -6,9 +6,11 @@ import ctypes
 import importlib.util
 import os
 import sys
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import moderngl
@@ -30,9 +32,9 @@ class Provider:
     open: Callable[[], Context]
 
 
-def _from_egl(name: str, opened: egl.EglContext, api: Api | None) -> Context:
+def _from_egl(name: str, opened: egl.EglContext, api: Api | None, lock: threading.RLock | None = None) -> Context:
     try:
-        return attach(
+        context = attach(
             name,
             opened.platform,
             opened.get_proc,
@@ -41,6 +43,8 @@ def _from_egl(name: str, opened: egl.EglContext, api: Api | None) -> Context:
             close=opened.release,
             leave=opened.leave,
         )
+        context.ownership.lock = lock or context.ownership.lock
+        return context
     except BaseException:
         opened.release()
         opened.leave()
@@ -67,9 +71,16 @@ def _angle() -> Context:
     import comfy_angle
 
     library = egl.Egl(comfy_angle.get_egl_path(), comfy_angle.get_glesv2_path())
-    with _silent():  # ANGLE writes to the terminal where it finds no Vulkan; the reason is in the error as well
-        opened = egl.open_context(library, egl.angle_display(library), es=True)
-    return _from_egl("angle", opened, "es")
+    with (lock := _turns("angle")):
+        with _silent():  # ANGLE writes to the terminal where it finds no Vulkan; the reason is in the error as well
+            opened = egl.open_context(library, egl.angle_display(library), es=True)
+        return _from_egl("angle", opened, "es", lock)
+
+
+@cache
+def _turns(name: str) -> threading.RLock:
+    """Return the one lock of a library's contexts: with two of them in use at the same time, it draws wrong pictures."""
+    return threading.RLock()
 
 
 @contextmanager
@@ -95,7 +106,9 @@ def _swiftshader() -> Context:
         raise ImportError("this kaleido carries no SwiftShader; version 0.2.1 does")
     library = egl.Egl(str(folder / f"libEGL{suffix}"), str(folder / f"libGLESv2{suffix}"))
     display = library.function("eglGetDisplay", ctypes.c_void_p, ctypes.c_void_p)(None)
-    return _from_egl("swiftshader", egl.open_context(library, iter([("default display", display)]), es=True), "es")
+    with (lock := _turns("swiftshader")):
+        opened = egl.open_context(library, iter([("default display", display)]), es=True)
+        return _from_egl("swiftshader", opened, "es", lock)
 
 
 def _native() -> Context:
