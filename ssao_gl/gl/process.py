@@ -14,16 +14,14 @@ SINGLE_THREADED, SINGLE_THREADED_RENDERER = "LP_NUM_THREADS", "llvmpipe"
 """Mesa's software renderer draws without worker threads where this is 0. Then nothing is missing after a fork."""
 
 
-@cache
-def _processes() -> dict[int, bool]:
-    """Return each process that opens contexts, and whether these survive a fork. Children inherit what their parents know."""
-    return {}
+_PROCESSES: dict[int, bool] = {}
+"""Each process that opens contexts, and whether these survive a fork. Children inherit what their parents know."""
 
 
 def note_renderer(renderer: str) -> None:
     """Remember the renderer of a context of this process: one that draws by threads of its own does not survive a fork."""
     if not renderer.startswith(SINGLE_THREADED_RENDERER):
-        _processes()[os.getpid()] = False
+        _PROCESSES[os.getpid()] = False
 
 
 def check_process() -> None:
@@ -31,9 +29,8 @@ def check_process() -> None:
 
     A fork copies memory and one thread; the threads that draw for Mesa's software renderer, and a GPU driver's, are not copied.
     """
-    known = _processes()
-    known.setdefault(os.getpid(), os.environ.get(SINGLE_THREADED) == "0")
-    if not all(survives for process, survives in known.items() if process != os.getpid()):
+    _PROCESSES.setdefault(os.getpid(), os.environ.get(SINGLE_THREADED) == "0")
+    if not all(survives for process, survives in _PROCESSES.copy().items() if process != os.getpid()):
         raise ContextError(
             "this process was forked from one that had opened OpenGL, which does not survive that: start it by 'spawn' "
             "(multiprocessing.get_context('spawn'), or DataLoader(multiprocessing_context='spawn')), "

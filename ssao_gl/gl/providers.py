@@ -6,11 +6,9 @@ import ctypes
 import importlib.util
 import os
 import sys
-import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import moderngl
@@ -19,6 +17,7 @@ from ..errors import ContextError, SettingsError, near_miss
 from . import egl, osmesa
 from .context import Api, Context, attach
 from .loader import GetProc
+from .ownership import software_turns
 from .process import check_process
 
 
@@ -32,9 +31,9 @@ class Provider:
     open: Callable[[], Context]
 
 
-def _from_egl(name: str, opened: egl.EglContext, api: Api | None, lock: threading.RLock | None = None) -> Context:
+def _from_egl(name: str, opened: egl.EglContext, api: Api | None) -> Context:
     try:
-        context = attach(
+        return attach(
             name,
             opened.platform,
             opened.get_proc,
@@ -43,8 +42,6 @@ def _from_egl(name: str, opened: egl.EglContext, api: Api | None, lock: threadin
             close=opened.release,
             leave=opened.leave,
         )
-        context.ownership.lock = lock or context.ownership.lock
-        return context
     except BaseException:
         opened.release()
         opened.leave()
@@ -71,16 +68,9 @@ def _angle() -> Context:
     import comfy_angle
 
     library = egl.Egl(comfy_angle.get_egl_path(), comfy_angle.get_glesv2_path())
-    with (lock := _turns("angle")):
-        with _silent():  # ANGLE writes to the terminal where it finds no Vulkan; the reason is in the error as well
-            opened = egl.open_context(library, egl.angle_display(library), es=True)
-        return _from_egl("angle", opened, "es", lock)
-
-
-@cache
-def _turns(name: str) -> threading.RLock:
-    """Return the one lock of a library's contexts: with two of them in use at the same time, it draws wrong pictures."""
-    return threading.RLock()
+    with _silent():  # ANGLE writes to the terminal where it finds no Vulkan; the reason is in the error as well
+        opened = egl.open_context(library, egl.angle_display(library), es=True)
+    return _from_egl("angle", opened, "es")
 
 
 @contextmanager
@@ -106,9 +96,7 @@ def _swiftshader() -> Context:
         raise ImportError("this kaleido carries no SwiftShader; version 0.2.1 does")
     library = egl.Egl(str(folder / f"libEGL{suffix}"), str(folder / f"libGLESv2{suffix}"))
     display = library.function("eglGetDisplay", ctypes.c_void_p, ctypes.c_void_p)(None)
-    with (lock := _turns("swiftshader")):
-        opened = egl.open_context(library, iter([("default display", display)]), es=True)
-        return _from_egl("swiftshader", opened, "es", lock)
+    return _from_egl("swiftshader", egl.open_context(library, iter([("default display", display)]), es=True), "es")
 
 
 def _native() -> Context:
@@ -154,7 +142,8 @@ def open_context(provider: str = "auto", *, api: Api | None = None) -> Context:
     reasons = []
     for candidate in tried:
         try:
-            context = candidate.open()
+            with software_turns(os.getpid()):
+                context = candidate.open()
             if api in (None, context.api):
                 return context
             context.release()

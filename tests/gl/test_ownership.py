@@ -54,15 +54,30 @@ def test_eight_threads_share_a_renderer(provider: str, embedded: ao.Scene) -> No
 
 
 def test_eight_threads_with_a_renderer_each(provider: str, embedded: ao.Scene) -> None:
-    """SwiftShader and ANGLE draw wrong pictures with two contexts at the same time, and so take turns."""
+    """Software renderers draw wrong pictures with two contexts at the same time, and so take turns."""
 
-    def own() -> NDArray[np.float32]:
+    def own() -> list[NDArray[np.float32]]:
         with ao.Renderer(provider) as renderer:
-            return draw(renderer, embedded)
+            return [draw(renderer, embedded) for _ in range(3)]
 
-    right = own()
+    right, *_ = own()
     for drawn in in_threads(8, own):
-        np.testing.assert_array_equal(drawn, right)
+        np.testing.assert_array_equal(drawn, [right] * 3)
+
+
+def test_software_renderers_never_draw_at_the_same_time(provider: str, embedded: ao.Scene) -> None:
+    """Nor do those of two libraries: while one is held, the others wait."""
+    with ao.Renderer(openable()[0]) as held, ao.Renderer(provider) as other:
+        if not (held.ctx.software and other.ctx.software):
+            pytest.skip("a GPU draws for many at the same time")
+        drawn: list[NDArray[np.float32]] = []
+        thread = threading.Thread(target=lambda: drawn.append(draw(other, embedded)))
+        with held.ctx.current():
+            thread.start()
+            thread.join(0.5)
+            assert not drawn and thread.is_alive()
+        thread.join(60)
+        assert len(drawn) == 1
 
 
 def test_a_renderer_outlives_the_thread_that_made_it(provider: str, embedded: ao.Scene) -> None:
