@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from ..errors import ContextError
 from .process import check_process
 
-
 _TURNS: dict[int, threading.RLock] = {}
 """By process: a fork may copy a lock that nobody is left to unlock."""
 
