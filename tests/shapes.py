@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
 import ssao_gl as ao
@@ -37,29 +35,4 @@ def camera(zfar: float | None = 40.0, pose: np.ndarray | None = None) -> Camera:
     return Camera.perspective(0.9, 0.1, zfar, pose)
 
 
-def moved(scene: Scene, matrix: np.ndarray) -> Scene:
-    """The scene with every transform preceded by ``matrix`` (4, 4)."""
-    draws = [dataclasses.replace(d, transforms=matrix @ d.transforms) for d in scene.meshes]
-    cameras = [dataclasses.replace(c, pose=matrix @ c.pose) for c in scene.cameras]
-    return Scene(draws, cameras=cameras, up=scene.up, name=scene.name)
-
-
-def scaled(scene: Scene, s: float) -> Scene:
-    """The scene in other units: ``s`` times as large. Its cameras are dropped."""
-    draws = [dataclasses.replace(d, transforms=np.diag([s, s, s, 1.0]) @ d.transforms) for d in scene.meshes]
-    return Scene(draws, up=scene.up, name=scene.name)
-
-
-def with_radius(method: object, radius: float) -> object:
-    """The method with a radius in scene units; those whose radius is something else keep theirs."""
-    in_scene_units = next(f for f in dataclasses.fields(method) if f.name == "radius").metadata["limits"].unit == "scene units"  # type: ignore[arg-type]
-    return dataclasses.replace(method, radius=radius) if in_scene_units else method  # type: ignore[type-var]
-
-
-def spread(method: object) -> int:
-    """How many times as many pixels of the image change with each that is drawn: what differs in one pixel of a smaller target
-    shows in the pixels of its neighbours too, by bilinear weights."""
-    return 4 if getattr(method, "scale", 1) > 1 else 1
-
-
-__all__ = ["ao", "camera", "corner", "look_at", "moved", "plane", "quad", "scaled", "spread", "with_radius"]
+__all__ = ["ao", "camera", "corner", "look_at", "plane", "quad"]

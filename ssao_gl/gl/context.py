@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,8 +15,8 @@ import moderngl
 from ..errors import ContextError, one_line
 from .guest_state import GlState
 from .loader import Functions, GetProc, Loader
-from .ownership import Ownership
-from .process import check_process, return_freed_memory
+from .ownership import Ownership, software_turns
+from .process import check_process, note_renderer, return_freed_memory
 
 Api = Literal["es", "gl"]
 
@@ -53,6 +54,9 @@ class Context:
     def __post_init__(self) -> None:
         self.version = self.functions.string(GL_VERSION)
         self.renderer = self.functions.string(GL_RENDERER)
+        note_renderer(self.renderer)
+        if self.software:
+            self.ownership.lock = software_turns(os.getpid())
         self.max_size = self.functions.integers(GL_MAX_TEXTURE_SIZE)[0]
 
     def __enter__(self) -> Context:
@@ -65,6 +69,7 @@ class Context:
         """Destroy the context if ssao_gl made it. Calling it twice does no harm, nor does calling it in a forked child."""
         if self.ownership.inherited:
             self.released = True
+            return
         with self.ownership.lock:
             if not self.released:
                 self.released = True

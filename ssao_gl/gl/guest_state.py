@@ -188,9 +188,11 @@ class GlState:
         for name, cap in self._caps.items():
             self._restore_capability(cap, saved[name])
         bind, sampler = gl("glBindTexture", None, U, U), gl("glBindSampler", None, U, U)
+        is_texture = gl("glIsTexture", B, U)
         for unit, (texture, sampled_by) in zip(self._units, saved["textures and samplers"], strict=True):
             self._activate(TEXTURE0 + unit)
-            bind(TEXTURE_2D, texture)
+            # An effect's result, which the caller may have bound, may be gone by now; its name is not to be made anew.
+            bind(TEXTURE_2D, texture if texture and is_texture(texture) else 0)
             sampler(unit, sampled_by)
         self._activate(saved["active texture"])
         gl("glUseProgram", None, U)(saved["program"])

@@ -11,12 +11,25 @@ from dataclasses import dataclass, field
 from ..errors import ContextError
 from .process import check_process
 
+_TURNS: dict[int, threading.RLock] = {}
+"""By process: a fork may copy a lock that nobody is left to unlock."""
+
+
+def software_turns(process: int) -> threading.RLock:
+    """Return the one lock of a process for all contexts of software renderers.
+
+    Where two threads draw at the same time, each with a context of its own, Mesa's llvmpipe (22.3), SwiftShader and ANGLE on
+    lavapipe now and then draw wrong pictures. They share the cores anyway, so that turns cost little.
+    """
+    return _TURNS.setdefault(process, threading.RLock())
+
 
 @dataclass(slots=True, kw_only=True)
 class Ownership:
     """The process and the thread that made a context, and the lock under which it is used.
 
-    rebinds: whether it can be made current in any thread once no other one holds it.
+    rebinds: whether it can be made current in any thread once no other one holds it. lock: contexts of software renderers share
+    :func:`software_turns`.
     """
 
     rebinds: bool = False
@@ -41,5 +54,9 @@ class Ownership:
                 raise ContextError("no OpenGL context is current in this thread; make yours current first")
         elif not self.rebinds and self.thread != threading.get_ident():
             raise ContextError("this context can be used only in the thread that made it: make one Renderer a thread")
-        with self.lock:
+        if not self.lock.acquire(blocking=not self.inherited):  # nobody is left to unlock it
+            raise ContextError("this process was forked while another thread drew with this context: make a new Renderer")
+        try:
             yield
+        finally:
+            self.lock.release()

@@ -10,14 +10,18 @@ from functools import cache
 
 from ..errors import ContextError
 
-SINGLE_THREADED = "LP_NUM_THREADS"
+SINGLE_THREADED, SINGLE_THREADED_RENDERER = "LP_NUM_THREADS", "llvmpipe"
 """Mesa's software renderer draws without worker threads where this is 0. Then nothing is missing after a fork."""
 
 
-@cache
-def first_process() -> tuple[int, bool]:
-    """Return the process that asked first, which opens contexts, and whether it survives a fork. Children inherit the answer."""
-    return os.getpid(), os.environ.get(SINGLE_THREADED) == "0"
+_PROCESSES: dict[int, bool] = {}
+"""Each process that opens contexts, and whether these survive a fork. Children inherit what their parents know."""
+
+
+def note_renderer(renderer: str) -> None:
+    """Remember the renderer of a context of this process: one that draws by threads of its own does not survive a fork."""
+    if not renderer.startswith(SINGLE_THREADED_RENDERER):
+        _PROCESSES[os.getpid()] = False
 
 
 def check_process() -> None:
@@ -25,12 +29,12 @@ def check_process() -> None:
 
     A fork copies memory and one thread; the threads that draw for Mesa's software renderer, and a GPU driver's, are not copied.
     """
-    opened_in, survives = first_process()
-    if opened_in != os.getpid() and not survives:
+    _PROCESSES.setdefault(os.getpid(), os.environ.get(SINGLE_THREADED) == "0")
+    if not all(survives for process, survives in _PROCESSES.copy().items() if process != os.getpid()):
         raise ContextError(
             "this process was forked from one that had opened OpenGL, which does not survive that: start it by 'spawn' "
             "(multiprocessing.get_context('spawn'), or DataLoader(multiprocessing_context='spawn')), "
-            f"or set {SINGLE_THREADED}=0 before the first Renderer to let Mesa draw in one thread"
+            f"or set {SINGLE_THREADED}=0 before the first Renderer to let Mesa's {SINGLE_THREADED_RENDERER} draw in one thread"
         )
 
 

@@ -17,6 +17,7 @@ from ..errors import ContextError, SettingsError, near_miss
 from . import egl, osmesa
 from .context import Api, Context, attach
 from .loader import GetProc
+from .ownership import software_turns
 from .process import check_process
 
 
@@ -141,7 +142,8 @@ def open_context(provider: str = "auto", *, api: Api | None = None) -> Context:
     reasons = []
     for candidate in tried:
         try:
-            context = candidate.open()
+            with software_turns(os.getpid()):
+                context = candidate.open()
             if api in (None, context.api):
                 return context
             context.release()

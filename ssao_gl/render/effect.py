@@ -73,18 +73,20 @@ class Effect:
 
     @settings.setter
     def settings(self, settings: Settings) -> None:
-        self._settings = _with_radius(settings)
+        settings = _with_radius(settings)
         if self._frames is not None:
-            kept = {self._plan(*key[2:]).layout for key in self._frames.keys}
+            kept = {self._plan(settings, *key[2:]).layout for key in self._frames.keys}
             with self._used():
                 self._frames.retain(kept)
+        self._settings = settings
 
     def resize(self, width: int, height: int) -> None:
         """Your textures have another size from now on: frees everything made for the old one. Raises SettingsError."""
-        self.size = _checked_size(width, height)
+        size = _checked_size(width, height)
         if self._frames is not None:
             with self._used():
                 self._frames.clear()
+        self.size = size
 
     def apply(
         self,
@@ -128,7 +130,7 @@ class Effect:
     def describe(self, depth_kind: str = WINDOW_DEPTH, *, normal: bool = False, color: bool = True) -> str:
         """Return the plan as text: passes, formats, slots, MiB, what was left out and why."""
         output = IMAGE if color else VISIBILITY
-        return self._plan(depth_kind, normal, output).describe()
+        return self._plan(self.settings, depth_kind, normal, output).describe()
 
     @contextmanager
     def _used(self) -> Iterator[None]:
@@ -141,10 +143,10 @@ class Effect:
             raise ContextError("Effect: was released")
 
         key: _Key = (self.settings, self.size, depth_kind, normals, output)
-        return self._frames.get(key, lambda: self._plan(depth_kind, normals, output))
+        return self._frames.get(key, lambda: self._plan(self.settings, depth_kind, normals, output))
 
-    def _plan(self, depth_kind: str, normals: bool, output: str) -> Plan:
-        return plan_apply(self.settings, self.size, depth=depth_kind, normals=normals, outputs=(output,))
+    def _plan(self, settings: Settings, depth_kind: str, normals: bool, output: str) -> Plan:
+        return plan_apply(settings, self.size, depth=depth_kind, normals=normals, outputs=(output,))
 
     def _texture(self, name: str, image: Image) -> moderngl.Texture:
         if isinstance(image, moderngl.Texture):

@@ -9,7 +9,7 @@ import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from types import TracebackType
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, NoReturn, ParamSpec, TypeVar
 
 import moderngl
 import numpy as np
@@ -307,6 +307,10 @@ class Renderer:
                 self._resources.release()
             if self._opened:
                 self.ctx.release()
+
+    def __reduce__(self) -> NoReturn:
+        """Raise ContextError for who pickles a renderer: a context cannot leave its process."""
+        raise ContextError("Renderer: cannot be sent to another process; make one there")
 
     def __enter__(self) -> Renderer:
         return self

@@ -12,9 +12,10 @@ import ssao_gl as ao
 from ssao_gl.methods.registry import registry
 from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.model import Scene
+from ssao_gl.testing import spread, with_radius
 from ssao_gl.tiling.layout import Layout, layout, unguarded
 
-from ..shapes import camera, plane, spread, with_radius
+from ..shapes import camera, plane
 
 SIZE = (640, 360)
 STEP = 1 / 255 + 1e-6

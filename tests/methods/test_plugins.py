@@ -9,7 +9,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+PAGE = Path(__file__).parents[2] / "demos" / "guide" / "add_a_method.md"
 
 METHOD = '''
 """Glow: an example of a method of another package."""
@@ -100,14 +103,78 @@ def command(site: Path, *words: object) -> str:
     return done.stdout
 
 
+@pytest.fixture(scope="module")
+def followed(tmp_path_factory: pytest.TempPathFactory, site: Path) -> tuple[Path, Path]:
+    """The package of the guide's page, as it stands there, and the folder into which its wheel is installed; a broken one beside it."""
+    source, target = tmp_path_factory.mktemp("package"), tmp_path_factory.mktemp("target")
+    blocks = re.findall(r"^`([\w./]+)`, [^\n]*:\n\n```\w+\n(.*?)```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)
+    for name, text in blocks:
+        (source / name).parent.mkdir(exist_ok=True)
+        (source / name).write_text(text)
+    assert [name for name, _ in blocks] == [
+        *("pyproject.toml", "ssao_gl_cavity/__init__.py", "ssao_gl_cavity/cavity.frag", "tests/test_cavity.py")
+    ]
+    options = ["--quiet", "--no-deps", "--no-build-isolation", "--no-index", "--disable-pip-version-check", "--target", target]
+    subprocess.run([sys.executable, "-m", "pip", "install", *map(str, options), str(source)], check=True, timeout=300)
+    assert (target / "ssao_gl_cavity" / "cavity.frag").is_file(), "the wheel carries the shader"
+    installed(target, "breaking", {"__init__.py": BROKEN}, "break = breaking:Break")
+    return source, target
+
+
+@pytest.mark.gl
+def test_the_page_of_the_guide_makes_a_method(followed: tuple[Path, Path], tmp_path: Path) -> None:
+    _, target = followed
+    assert "cavity" in command(target, "methods")
+    picture = tmp_path / "a.npy"
+    command(target, "render", "--method", "cavity", "--size", "64x48", "-o", picture)
+    visibility = np.load(picture)
+    assert visibility.std() > 0.02 and visibility.max() == 1
+    assert "cavity" in command(target, "explain", "--method", "cavity")
+    words = [
+        "--methods",
+        "cavity,alchemy",
+        "--presets",
+        "low",
+        "--size",
+        "64x48",
+        "--spp",
+        "4",
+        "--rounds",
+        "1",
+        "--fit",
+        "none",
+    ]
+    command(target, "report", *words, "--no-reference", "--cache", tmp_path / "cache", "-o", tmp_path / "report")
+    assert "cavity" in (tmp_path / "report" / "report.md").read_text()
+
+
+@pytest.mark.gl
+def test_the_method_of_the_page_keeps_its_promises(followed: tuple[Path, Path], tmp_path: Path) -> None:
+    """Those of ``ssao_gl.testing``, by the page's own test, and every case of the stress test."""
+    source, target = followed
+    ran = run(target, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--rootdir", source, source / "tests")
+    assert re.search(r"^10 passed", ran.stdout, re.MULTILINE), ran.stdout[-3000:]
+    out = tmp_path / "stress.json"
+    command(target, "stress", "--methods", "cavity", "--failures", tmp_path / "failures", "-o", out)
+    verdicts = {row["verdict"] for row in json.loads(out.read_text())["rows"]}
+    assert "pass" in verdicts and "FAIL" not in verdicts
+
+
+def test_a_broken_package_does_not_silence_the_version(site: Path) -> None:
+    import ssao_gl
+
+    done = run(site, "-m", "ssao_gl", "--version")
+    assert (done.returncode, done.stdout.strip()) == (0, ssao_gl.__version__)
+    told = [line for line in run(site, "-m", "ssao_gl", "methods").stderr.splitlines() if "break" in line]
+    assert len(told) == 1, "in one line"
+
+
 @pytest.mark.gl
 def test_the_command_line_knows_it_and_draws_it(site: Path, tmp_path: Path) -> None:
     """Its fields called ``steps`` and ``scale`` are its own business; the shader lies beside its module and includes ours."""
     assert "glow" in command(site, "methods")
     picture = tmp_path / "a.npy"
     command(site, "render", "--method", "glow", "--blur", "none", "--set", "gain=0.2", "--size", "64x48", "-o", picture)
-    import numpy as np
-
     visibility = np.load(picture)
     assert set(np.unique(visibility).tolist()) == {np.float32(51) / np.float32(255), 1.0}
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
+from ssao_gl.graph.names import DEPTH, DEPTH_LAYER_2
 from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.model import Mesh, Scene
 from ssao_gl.scene.sample_scene import sphere
@@ -191,3 +192,45 @@ def test_look_from_inside_a_mesh(renderer: ao.Renderer, embedded: Scene) -> None
     cam = Camera.perspective(1.2, 0.01, 30.0, look_at(eye, (0, 0.5, 0)))
     picture = renderer.render(embedded, cam, SIZE, aovs=ALL, checked=True)
     assert (picture.depth > 0).all() and np.isfinite(picture.visibility).all()
+
+
+TILTS = (0.0, 0.5, 1.3)
+
+
+def second_layer(renderer: ao.Renderer, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Depths of the first layer and of the one behind it."""
+    settings = ao.Settings(method=ao.Bitmask(**{**ao.Bitmask.presets["ultra"], "radius": 0.5}), blur=None)
+    first, second = (renderer.resource(scene, camera(), SIZE, settings, name) for name in (DEPTH, DEPTH_LAYER_2))
+    assert first is not None and second is not None
+    return first[..., 0], second[..., 0]
+
+
+def sheet(tilt: float, behind: float = 0.0) -> Mesh:
+    """Part of a tilted plane, farther away by a share of its distance to the eye at every pixel."""
+    corners = np.array([(-8, -1, 0), (8, -1, 0), (8, 1, 0), (-8, 1, 0)], np.float64)
+    corners[:, 1:] = corners[:, 1:2] * [np.cos(tilt), np.sin(tilt)] + [0, -5]
+    return Mesh((corners * (1 + behind)).astype(np.float32), np.array([[0, 1, 2], [0, 2, 3]], np.uint32))
+
+
+@pytest.mark.parametrize("tilt", TILTS)
+@pytest.mark.parametrize("behind", [4e-5, 1e-3, 0.1])
+def test_a_second_layer_begins_right_behind_the_first(renderer: ao.Renderer, tilt: float, behind: float) -> None:
+    if "SwiftShader" in renderer.ctx.renderer and behind < 1e-3:
+        pytest.skip("it snaps vertices, which tilts large triangles by more than that")
+    first, second = second_layer(renderer, Scene([sheet(tilt), sheet(tilt, behind)]))
+    alone, _ = second_layer(renderer, Scene([sheet(tilt)]))
+    there = (alone > 0) & (second > 0)
+    assert there.sum() >= 0.9 * (alone > 0).sum() > 100
+    np.testing.assert_allclose(second[there], first[there] * (1 + behind), rtol=1e-5 if behind < 0.01 else 1e-3)
+
+
+@pytest.mark.parametrize("tilt", TILTS)
+def test_a_surface_is_not_behind_itself(renderer: ao.Renderer, tilt: float) -> None:
+    """Nor is its like in other triangles, whose depths are rounded otherwise."""
+    one = sheet(tilt)
+    crossed = dataclasses.replace(one, triangles=np.array([[1, 2, 3], [1, 3, 0]], np.uint32))
+    middle = np.concatenate([one.positions, one.positions[:3:2].mean(0, keepdims=True)])
+    fan = Mesh(middle.astype(np.float32), np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], np.uint32))
+    copies = [one] if "SwiftShader" in renderer.ctx.renderer else [one, crossed, fan]
+    first, second = second_layer(renderer, Scene(copies))
+    assert (first > 0).sum() > 100 and not second.any()

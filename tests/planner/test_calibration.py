@@ -51,13 +51,14 @@ def test_a_driver_is_probed_once(tmp_path: Path, probes: list[str]) -> None:
     assert probes == ["a renderer", "another"]
 
 
-@pytest.mark.parametrize("content", ["", "{", "[]", "{}", '{"bitmask draft": 3}', "NEGATIVE"])
+@pytest.mark.parametrize("content", ["", "{", "[]", "{}", '{"bitmask draft": 3}', "-1", "NaN", "Infinity", "1e999"])
 def test_a_damaged_calibration_is_made_anew(
     tmp_path: Path, probes: list[str], caplog: pytest.LogCaptureFixture, content: str
 ) -> None:
     found = calibration.calibrated(renderer(), tmp_path)
     (path,) = tmp_path.glob("planner-*.json")
-    path.write_text(path.read_text().replace("1", "-1") if content == "NEGATIVE" else content)
+    rates = content in ("-1", "NaN", "Infinity", "1e999")
+    path.write_text(path.read_text().replace("1.0", content).replace("1,", f"{content},") if rates else content)
     with caplog.at_level(logging.WARNING):
         assert calibration.calibrated(renderer(), tmp_path) == found
     assert "is damaged" in caplog.text and len(probes) == 2

@@ -436,6 +436,24 @@ def test_release_twice_and_use_after(context: Context) -> None:
     delete(context, "Textures", depth)
 
 
+def test_a_result_that_is_bound_when_it_goes(context: Context) -> None:
+    """Its name stands for nothing then: OpenGL takes it off its unit, records no error, and makes no texture of that name."""
+    camera = Camera.perspective(0.9, 0.5, 50.0)
+    depth = context.mgl.texture(SIZE, 1, eye_depth(camera)[::-1].astype("f4").tobytes(), dtype="f4")
+    context.check_error("the caller's own")
+    effect = ao.Effect(context, SIZE, ao.Settings(method=ao.Alchemy(radius=0.5)))
+    result = effect.apply(depth=depth, camera=camera, depth_kind="eye")
+    result.use(3)
+    name = result.glo
+    effect.release()
+    context.check_error("after the effect")
+    context.functions("glActiveTexture", None, U)(0x84C0 + 3)
+    assert context.functions.integers(0x8069)[0] == 0, "nothing is bound to the unit"
+    assert not context.functions("glIsTexture", ctypes.c_ubyte, U)(name)
+    context.functions("glActiveTexture", None, U)(0x84C0)
+    depth.release()
+
+
 def test_wrapping_the_current_context_changes_nothing(context: Context) -> None:
     disturb(context)
     odd = everything(context)
