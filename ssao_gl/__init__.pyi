@@ -1,6 +1,6 @@
 from . import gl
 from .api import apply, normals_from_depth, occlusion, render
-from .errors import ContextError, FormatError, GraphError, SceneError, SettingsError, ShaderError, SsaoError
+from .errors import ContextError, FormatError, GraphError, InputWarning, SceneError, SettingsError, ShaderError, SsaoError
 from .io.srgb import multiply
 from .loaders.load import load_scene
 from .methods.alchemy import Alchemy
@@ -16,6 +16,7 @@ from .render.picture import Picture
 from .render.renderer import Renderer
 from .sampling.disk import Kernel, Rotation
 from .scene.camera import Camera, look_at
+from .scene.depth_image import DepthImage
 from .scene.model import Mesh, Scene
 
 __all__ = [
@@ -24,10 +25,12 @@ __all__ = [
     "Camera",
     "Choice",
     "ContextError",
+    "DepthImage",
     "Difference",
     "Effect",
     "FormatError",
     "GraphError",
+    "InputWarning",
     "Joint",
     "Kernel",
     "Lecture",

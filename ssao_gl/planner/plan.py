@@ -16,6 +16,7 @@ from ..pipeline.build import EYE_DEPTH
 from ..pipeline.settings import Settings
 from ..render.arrays import check_size
 from ..scene.camera import Camera
+from ..scene.depth_image import DepthImage
 from ..scene.model import Scene
 from ..scene.projection import Size
 from .calibration import calibrated, clock
@@ -65,7 +66,7 @@ def plan(
 
 def plan_arrays(
     renderer: Renderer,
-    depth: NDArray[Any],
+    depth: NDArray[Any] | DepthImage,
     camera: Camera,
     target: Target,
     settings: Settings | None = None,

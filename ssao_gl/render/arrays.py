@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import FormatError, SettingsError
+from ..pipeline.build import EYE_DEPTH, WINDOW_DEPTH
 from ..scene.camera import Camera
+from ..scene.depth_image import DepthImage
 from ..scene.model import RADIUS_SHARE
 from ..scene.projection import Size
 
@@ -19,6 +21,14 @@ def check_size(size: Size) -> None:
     """Raise SettingsError unless ``size`` is (width, height) with sides from 1 to 65536."""
     if len(size) != 2 or not all(1 <= side <= MAX_SIDE and side == int(side) for side in size):
         raise SettingsError(f"size {'x'.join(map(str, size))}: must be WIDTHxHEIGHT with sides from 1 to {MAX_SIDE}")
+
+
+def settled_depth(depth: NDArray[Any] | DepthImage, kind: str, camera: Camera) -> tuple[NDArray[Any], str]:
+    """Return depth that shaders read, and its kind: eye, or window, which they linearize. Raises FormatError, SettingsError."""
+    if kind == WINDOW_DEPTH and not isinstance(depth, DepthImage):
+        return depth, kind
+    image = depth if isinstance(depth, DepthImage) else DepthImage(depth, kind, empty="warn")
+    return image.linear(camera), EYE_DEPTH
 
 
 def check_arrays(
