@@ -15,9 +15,10 @@ from .render.effect import Effect
 from .render.picture import Picture
 from .render.renderer import Renderer
 from .sampling.disk import Kernel, Rotation
-from .scene.camera import Camera, look_at
+from .scene.camera import Camera
 from .scene.depth_image import DepthImage
 from .scene.model import Mesh, Scene
+from .scene.pose import look_at
 
 __all__ = [
     "Alchemy",

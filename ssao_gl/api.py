@@ -51,7 +51,7 @@ def render(
     drawn = as_scene(scene)
     target = Target(budget_ms=budget_ms, max_error=max_error) if (budget_ms, max_error) != (None, None) else None
     with Renderer(provider) as renderer:
-        seen = None if camera is None else as_camera(camera)
+        seen = None if camera is None else as_camera(camera, size)
         return render_planned(renderer, drawn, seen, size, target, settings_of(method, blur, shading), aovs=aovs)
 
 
@@ -72,14 +72,15 @@ def apply(
     color: (h, w, 3 or 4) uint8 sRGB, or None for visibility alone; where it is larger than depth, results are upsampled
     to its size. depth: (h, w), an array, a masked array, a file or a :class:`DepthImage`: distance along the view axis in
     scene units, 0, inf and nan = background (as pyrender gives it), unless ``form`` says otherwise. camera: a
-    :class:`Camera` or a ``pyrender.Scene``. normals: (h, w, 3) view space, rebuilt from depth without them. Row 0 is the
+    :class:`Camera`, a camera file, or what another library calls one (pyrender, PyVista, Open3D, a matrix (3, 3)). normals: (h, w, 3) view space, rebuilt from depth without them. Row 0 is the
     top row. strength: 0 leaves the colour, 1 dims it by all of the occlusion. form: the fields of :class:`DepthImage`, as
     ``depth_kind`` ("eye", "window", "ray", "vtk"), ``depth_scale`` (0.001 reads millimetres), ``depth_background``,
     ``depth_mask``, ``depth_noise``; and ``depth_channel`` of files. What is guessed is told by ``InputWarning``. Raises
     FormatError for shapes that do not fit, for depth of another kind, and for depth without any surface.
     """
     settings = settings_of(method, blur, Shading(ambient=strength))
-    image, seen = as_depth_image(depth, **form), as_camera(camera)
+    image = as_depth_image(depth, **form)
+    seen = as_camera(camera, image.size)
     with Renderer(provider) as renderer:
         return renderer.apply(
             image,

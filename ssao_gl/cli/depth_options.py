@@ -77,7 +77,10 @@ class DepthOptions:
         str | None, Parameter(help="Width x height of the image that --intrinsics is for. [default: the image's own]")
     ] = None
     camera: Annotated[
-        str | None, Parameter(help="Camera file, FILE or FILE:NAME, in place of these; its pose does not matter. [likewise]")
+        str | None,
+        Parameter(
+            help="Camera file, FILE or FILE:NAME, in place of these: .cam.json, NeRF's, COLMAP's or BOP's; its pose does not matter. [likewise]"
+        ),
     ] = None
     ortho: Annotated[float | None, Parameter(help="Parallel projection this many scene units high. [likewise]")] = None
     znear: Annotated[float, Parameter(help="Near plane, scene units; matters for window depth.")] = 0.01
@@ -124,7 +127,7 @@ class DepthOptions:
         """Return the camera of a depth image of ``size`` (width, height) below colour of the size ``shown``. Raises SettingsError."""
         far = None if self.zfar == math.inf else self.zfar
         if self.camera is not None:
-            return load_camera(self.camera)
+            return load_camera(self.camera, size)
         if self.yfov_deg is not None:
             return Camera.perspective(angle("--yfov-deg", self.yfov_deg), self.znear, far)
         if self.ortho is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -17,11 +18,13 @@ from ..methods.registry import registry
 from ..passes.denoise import FILTERS
 from ..pipeline.presets import read_toml, settings_from
 from ..pipeline.settings import CULLING_RULES, Settings, Shading
-from ..scene.camera import Camera, Lens, Orthographic, Perspective, look_at
+from ..scene.camera import Camera
+from ..scene.lens import Lens, Orthographic, Perspective
 from ..scene.model import Scene
+from ..scene.pose import look_at
 from ..scene.projection import Matrix, Size
 from ..settings import limits, title
-from .output import parse_size, parse_vector
+from .output import input_warnings, parse_size, parse_vector
 
 
 def _option(text: str) -> Parameter:
@@ -86,7 +89,10 @@ class ViewOptions:
 
     size: Annotated[str, _option("Width x height, pixels.")] = "1280x720"
     camera: Annotated[
-        str | None, _option("Camera file, FILE.cam.json or FILE.cam.json:NAME. [default: the scene's own, else automatic]")
+        str | None,
+        _option(
+            "Camera file, FILE or FILE:NAME: .cam.json, NeRF's, COLMAP's or BOP's. [default: the scene's own, else automatic]"
+        ),
     ] = None
     eye: Annotated[str | None, _option("Where the camera stands: x,y,z in scene units. [default: the camera's]")] = None
     target: Annotated[
@@ -118,7 +124,9 @@ class ViewOptions:
     point_size: Annotated[
         float | None, _option("Diameter of points, scene units. [default: one that closes their surface]")
     ] = None
-    strict: Annotated[bool, _option("Take it for an error when a part of the scene file is dropped or guessed.")] = False
+    strict: Annotated[
+        bool, _option("Take it for an error when something of the scene or camera file is dropped or guessed.")
+    ] = False
 
     def pixels(self) -> Size:
         """(width, height). Raises SettingsError."""
@@ -148,7 +156,8 @@ class ViewOptions:
         if self.camera is not None:
             from ..loaders.camera_files import load_camera
 
-            base = load_camera(self.camera)
+            with input_warnings(strict=True) if self.strict else nullcontext():
+                base = load_camera(self.camera, size)
         else:
             base = scene.cameras[0] if scene.cameras else scene.default_camera(size)
         pose = base.pose

@@ -27,7 +27,7 @@ from ..scene.projection import Size
 from ..tiling.job import Job
 from ..tiling.layout import layout
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
-from .output import check_json, check_output, progress, say, write_json
+from .output import check_json, check_output, input_warnings, progress, say, write_json
 from .plan_options import PlanOptions, compared, drawn_at_once, expected
 from .tile_options import TileOption, draw_tiles, picture_line
 
@@ -88,8 +88,9 @@ def render(
     """
     settings, target = look.settings(), goal.target(look)
     size, aovs = view.pixels(), to.aovs()
-    loaded = view.load(scene)
-    camera = view.choose(loaded)
+    with input_warnings(strict=False) as told:
+        loaded = view.load(scene)
+        camera = view.choose(loaded)
     with Renderer(gl) as renderer:
         if to.turntable:
             _turn(renderer, loaded, camera, size, settings, target, aovs, to)
@@ -109,7 +110,7 @@ def render(
     if cut is None:
         _save(picture, to)
     if to.json:
-        write_json(to.json, {**report, "warnings": [*report.get("warnings", ()), *loaded.warnings]})
+        write_json(to.json, {**report, "warnings": [*report.get("warnings", ()), *loaded.warnings, *told]})
     return 0
 
 
