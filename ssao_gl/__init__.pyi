@@ -1,6 +1,6 @@
 from . import gl
 from .api import apply, normals_from_depth, occlusion, render
-from .errors import ContextError, FormatError, GraphError, SceneError, SettingsError, ShaderError, SsaoError
+from .errors import ContextError, FormatError, GraphError, InputWarning, SceneError, SettingsError, ShaderError, SsaoError
 from .io.srgb import multiply
 from .loaders.as_scene import as_scene
 from .loaders.load import load_scene
@@ -16,8 +16,10 @@ from .render.effect import Effect
 from .render.picture import Picture
 from .render.renderer import Renderer
 from .sampling.disk import Kernel, Rotation
-from .scene.camera import Camera, look_at
+from .scene.camera import Camera
+from .scene.depth_image import DepthImage
 from .scene.model import Mesh, Scene
+from .scene.pose import look_at
 
 __version__: str
 
@@ -27,10 +29,12 @@ __all__ = [
     "Camera",
     "Choice",
     "ContextError",
+    "DepthImage",
     "Difference",
     "Effect",
     "FormatError",
     "GraphError",
+    "InputWarning",
     "Joint",
     "Kernel",
     "Lecture",

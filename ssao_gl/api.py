@@ -5,13 +5,14 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import FormatError, one_line
 from .gl.context import Context
+from .io.depth_files import DepthForm, as_depth_image
 from .loaders.as_scene import as_camera, as_scene
 from .methods.base import Method
 from .passes.denoise import Filter, Joint
@@ -20,6 +21,7 @@ from .planner import Target, render_planned
 from .render.arrays import pixel_size
 from .render.picture import Picture
 from .render.renderer import Renderer
+from .scene.depth_image import DepthImage
 from .scene.projection import Size
 from .scene.screen_bounds import unseen
 
@@ -64,7 +66,7 @@ def render(
     drawn = as_scene(scene)
     target = Target(budget_ms=budget_ms, max_error=max_error) if (budget_ms, max_error) != (None, None) else None
     with Renderer(provider) as renderer:
-        seen = None if camera is None else as_camera(camera)
+        seen = None if camera is None else as_camera(camera, size)
         if why := unseen(drawn, seen, pixel_size(size)):
             logging.getLogger("ssao_gl").warning("%s", why)
         return render_planned(renderer, drawn, seen, size, target, settings_of(method, blur, shading), aovs=aovs)
@@ -72,51 +74,56 @@ def render(
 
 def apply(
     color: ArrayLike | None,
-    depth: ArrayLike,
+    depth: ArrayLike | DepthImage | Path,
     camera: Any,
     *,
     normals: ArrayLike | None = None,
-    depth_kind: str = "eye",
     method: Method | str | None = None,
     blur: Filter | str | None = Joint(),  # noqa: B008 - frozen
     strength: float = 1.0,
     provider: str | Context = "auto",
+    **form: Unpack[DepthForm],
 ) -> Picture:
     """Dim a picture that you already have by the occlusion of its depth, in linear light.
 
-    color: (h, w, 3 or 4) uint8 sRGB, or None for visibility alone. depth: (h, w) distance along the view axis in scene
-    units, 0 = background (as pyrender gives it), or window depth 0..1 with ``depth_kind="window"``. camera: a
-    :class:`Camera` or a ``pyrender.Scene``. normals: (h, w, 3) view space, rebuilt from depth without them. Row 0 is
-    the top row. strength: 0 leaves the colour, 1 dims it by all of the occlusion.
+    color: (h, w, 3 or 4) uint8 sRGB, or None for visibility alone; where it is larger than depth, results are upsampled
+    to its size. depth: (h, w), an array, a masked array, a file or a :class:`DepthImage`: distance along the view axis in
+    scene units, 0, inf and nan = background (as pyrender gives it), unless ``form`` says otherwise. camera: a
+    :class:`Camera`, a camera file, or what another library calls one (pyrender, PyVista, Open3D, a matrix (3, 3)). normals: (h, w, 3) view space, rebuilt from depth without them. Row 0 is the
+    top row. strength: 0 leaves the colour, 1 dims it by all of the occlusion. form: the fields of :class:`DepthImage`, as
+    ``depth_kind`` ("eye", "window", "ray", "vtk"), ``depth_scale`` (0.001 reads millimetres), ``depth_background``,
+    ``depth_mask``, ``depth_noise``; and ``depth_channel`` of files. What is guessed is told by ``InputWarning``. Raises
+    FormatError for shapes that do not fit, for depth of another kind, and for depth without any surface.
     """
     settings = settings_of(method, blur, Shading(ambient=strength))
+    image = as_depth_image(depth, **form)
+    seen = as_camera(camera, image.size)
     with Renderer(provider) as renderer:
         return renderer.apply(
-            _array("depth", depth),
-            as_camera(camera),
+            image,
+            seen,
             color=None if color is None else _array("color", color),
             normals=None if normals is None else _array("normals", normals),
-            depth_kind=depth_kind,
             settings=settings,
         )
 
 
 def occlusion(
-    depth: ArrayLike,
+    depth: ArrayLike | DepthImage | Path,
     camera: Any,
     *,
     normals: ArrayLike | None = None,
-    depth_kind: str = "eye",
     method: Method | str | None = None,
     blur: Filter | str | None = "joint",
     provider: str | Context = "auto",
+    **form: Unpack[DepthForm],
 ) -> NDArray[np.float32]:
     """Visibility (h, w) float32 in 0..1 of a depth image (h, w): 1 = open, background exactly 1. See :func:`apply`."""
-    picture = apply(None, depth, camera, normals=normals, depth_kind=depth_kind, method=method, blur=blur, provider=provider)
-    return picture.arrays["visibility"]
+    return apply(None, depth, camera, normals=normals, method=method, blur=blur, provider=provider, **form).arrays["visibility"]
 
 
-def normals_from_depth(depth: ArrayLike, camera: Any, *, provider: str | Context = "auto") -> NDArray[np.float32]:
-    """View-space unit normals (h, w, 3) float32 of a depth image (h, w) of eye distances; zero on background."""
-    picture = apply(None, depth, camera, blur=None, provider=provider)
-    return picture.arrays["normal"]
+def normals_from_depth(
+    depth: ArrayLike | DepthImage | Path, camera: Any, *, provider: str | Context = "auto", **form: Unpack[DepthForm]
+) -> NDArray[np.float32]:
+    """View-space unit normals (h, w, 3) float32 of a depth image (h, w); zero on background. See :func:`apply`."""
+    return apply(None, depth, camera, blur=None, provider=provider, **form).arrays["normal"]

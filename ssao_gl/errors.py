@@ -51,6 +51,14 @@ class SceneError(SsaoError):
     """A scene or camera cannot be read or drawn."""
 
 
+class InputWarning(UserWarning):
+    """What was dropped, guessed or converted while an array, picture or camera was taken in.
+
+    The command line says each once on standard error, lists them in ``--json``, and fails on one with ``--strict``; programs
+    use Python's filters: ``warnings.simplefilter("error", InputWarning)``.
+    """
+
+
 def one_line(text: object, limit: int = 300) -> str:
     """Return what a file or a library says, fit for a message: one line, printable, at most ``limit`` characters."""
     line = "".join(c if c.isprintable() else "?" for c in " ".join(str(text).split()))

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import ssao_gl as ao
-from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.model import Mesh, Scene
+from ssao_gl.scene.pose import look_at
 
 QUAD = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 

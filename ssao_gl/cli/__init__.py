@@ -63,7 +63,8 @@ def _launch(
     from . import output
 
     output.QUIET.set(quiet)
-    return app(tokens, exit_on_error=False, print_error=False) or 0
+    with output.input_warnings(strict=False):
+        return app(tokens, exit_on_error=False, print_error=False) or 0
 
 
 def main(arguments: list[str] | None = None) -> None:

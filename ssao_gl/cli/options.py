@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,12 +18,14 @@ from ..loaders.load import load_scene
 from ..loaders.up_axis import AXES, up_direction
 from ..pipeline.presets import read_toml, settings_from, settings_toml
 from ..pipeline.settings import CULLING_RULES, Settings
-from ..scene.camera import Camera, Lens, Orthographic, Perspective, look_at
+from ..scene.camera import Camera
+from ..scene.lens import Lens, Orthographic, Perspective
 from ..scene.model import Scene
+from ..scene.pose import look_at
 from ..scene.projection import Matrix, Size
 from ..settings import assign
 from .help_pages import OCCLUSION, OUTPUT, RARE, VIEW
-from .output import check_output, check_radius, parse_size, parse_vector, write_text
+from .output import check_output, check_radius, input_warnings, parse_size, parse_vector, write_text
 from .tokens import WHOLE, parse_share
 
 
@@ -118,7 +121,10 @@ class ViewOptions:
 
     size: Annotated[str, _option("Width x height, pixels.")] = "1280x720"
     camera: Annotated[
-        str | None, _option("Camera file, FILE.cam.json or FILE.cam.json:NAME. [default: the scene's own, else automatic]")
+        str | None,
+        _option(
+            "Camera file, FILE or FILE:NAME: .cam.json, NeRF's, COLMAP's or BOP's. [default: the scene's own, else automatic]"
+        ),
     ] = None
     eye: Annotated[str | None, _option("Where the camera stands: x,y,z in scene units. [default: the camera's]")] = None
     target: Annotated[
@@ -155,9 +161,9 @@ class ViewOptions:
     point_size: Annotated[
         float | None, _option("Diameter of points, scene units. [default: one that closes their surface]", rare=True)
     ] = None
-    strict: Annotated[bool, _option("Take it for an error when a part of the scene file is dropped or guessed.", rare=True)] = (
-        False
-    )
+    strict: Annotated[
+        bool, _option("Take it for an error when something of the scene or camera file is dropped or guessed.", rare=True)
+    ] = False
 
     def pixels(self) -> Size:
         """(width, height). Raises SettingsError."""
@@ -191,7 +197,8 @@ class ViewOptions:
         if self.camera is not None:
             from ..loaders.camera_files import load_camera
 
-            base = load_camera(self.camera)
+            with input_warnings(strict=True) if self.strict else nullcontext():
+                base = load_camera(self.camera, size)
         else:
             base = scene.cameras[0] if scene.cameras else scene.default_camera(size)
         pose = base.pose

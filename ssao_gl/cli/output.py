@@ -5,17 +5,45 @@ from __future__ import annotations
 import json
 import re
 import sys
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..errors import FormatError, SettingsError, near_miss
+from ..errors import FormatError, InputWarning, SettingsError, near_miss, one_line
 from ..io.atomic import atomic_write, check_writable, is_folder, why_unreadable
 from ..render.arrays import MAX_SIDE, pixel_size
 
 Item = TypeVar("Item")
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
+
+
+@contextmanager
+def input_warnings(*, strict: bool) -> Iterator[list[str]]:
+    """Say each :class:`InputWarning` of the block once on standard error, and yield the list of them.
+
+    Raises FormatError for the first one when ``strict``.
+    """
+    told: list[str] = []
+    before = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *more: Any, **named: Any) -> None:
+        if not issubclass(category, InputWarning):
+            before(message, category, *more, **named)
+        elif (text := one_line(message)) not in told:
+            told.append(text)
+            if not QUIET.get():
+                sys.stderr.write(f"ssao-gl: warning: {text}\n")
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error" if strict else "always", InputWarning)
+        warnings.showwarning = show
+        try:
+            yield told
+        except InputWarning as warning:
+            raise FormatError(f"{one_line(warning)} (--strict)") from None
 
 
 def say(text: str, report: Path | None = None) -> None:
@@ -91,15 +119,15 @@ def comma_list(texts: Iterable[str]) -> list[str]:
     return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 
-def parse_size(text: str) -> tuple[int, int]:
+def parse_size(text: str, option: str = "--size") -> tuple[int, int]:
     """``1280x720`` -> (1280, 720), sides within bounds; whole floats are taken, too. Raises SettingsError."""
     found = re.fullmatch(r"([0-9]+)(?:\.0*)?[xX]([0-9]+)(?:\.0*)?", text)
     if not found:
-        raise SettingsError(f"--size {text}: must be WIDTHxHEIGHT in whole pixels, like 1280x720")
+        raise SettingsError(f"{option} {text}: must be WIDTHxHEIGHT in whole pixels, like 1280x720")
     try:
         return pixel_size([int(side[:9]) for side in found.groups()])
     except SettingsError:
-        raise SettingsError(f"--size {text}: must be WIDTHxHEIGHT with sides from 1 to {MAX_SIDE}, like 1280x720") from None
+        raise SettingsError(f"{option} {text}: must be WIDTHxHEIGHT with sides from 1 to {MAX_SIDE}, like 1280x720") from None
 
 
 def check_radius(text: str) -> str:

@@ -30,7 +30,7 @@ from ..tiling.job import Job
 from ..tiling.layout import layout
 from .help_pages import OUTPUT, RARE
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
-from .output import check_json, check_output, progress, say, write_json
+from .output import check_json, check_output, input_warnings, progress, say, write_json
 from .plan_options import PlanOptions, compared, drawn_at_once, expected
 from .tile_options import TileOption, draw_tiles, rendered_line
 from .tokens import WHOLE
@@ -106,9 +106,10 @@ def render(
     """
     settings, target = to.with_background(look.settings()), goal.target(look)
     size, aovs = view.pixels(), to.aovs()
-    loaded = view.load(scene)
-    settings = look.settled(settings, loaded.default_radius)
-    camera = view.choose(loaded)
+    with input_warnings(strict=False) as told:
+        loaded = view.load(scene)
+        settings = look.settled(settings, loaded.default_radius)
+        camera = view.choose(loaded)
     if blind := unseen(loaded, camera, size):
         logging.getLogger("ssao_gl").warning("%s", blind)
     with Renderer(gl) as renderer:
@@ -131,9 +132,8 @@ def render(
         _save(picture, to)
     look.dump(settings, report["settings"] if target else None)
     if to.json:
-        write_json(
-            to.json, {**report, "warnings": [*report.get("warnings", ()), *loaded.warnings, *([blind] if blind else [])]}
-        )
+        told = [*told, *([blind] if blind else [])]
+        write_json(to.json, {**report, "warnings": [*report.get("warnings", ()), *loaded.warnings, *told]})
     return 0
 
 

@@ -15,7 +15,8 @@ import numpy as np
 
 from ..methods.reference import Reference
 from ..pipeline.settings import Settings
-from ..scene.camera import Camera, Projection
+from ..scene.camera import Camera
+from ..scene.lens import Projection
 from ..scene.projection import Size
 from .view_setup import F32, ViewSetup
 

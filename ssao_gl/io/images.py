@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import FormatError
 from .atomic import atomic_write, why_unreadable
+from .exr_files import exr_channels
 
 if TYPE_CHECKING:
     from PIL.PngImagePlugin import PngInfo
@@ -104,19 +105,20 @@ def _save_exr(path: Path, array: NDArray[Any], texts: Mapping[str, str]) -> None
             raise OSError("the EXR encoder failed") from error
 
 
-def load_image(path: Path | str) -> NDArray[Any]:
-    """Read a picture or array: PNG and what else Pillow reads (uint8 or uint16), NPY, EXR (float32). Raises FormatError."""
+def load_image(path: Path | str, most_pixels: int = MAX_PIXELS) -> NDArray[Any]:
+    """Read a picture or array: PNG and what else Pillow reads, upright (uint8 or uint16, more where the file has it), NPY,
+    EXR (float32). Raises FormatError; for what has more pixels, before memory is taken for them."""
     path = Path(path)
     if reason := why_unreadable(path):
         raise FormatError(f"{path}: {reason}; expected a picture or array")
     suffix = path.suffix.lower()
     try:
         if suffix == ".npy":
-            array = _load_npy(path)
+            array = _load_npy(path, most_pixels)
         elif suffix == ".exr":
-            array = _load_exr(path)
+            array = _load_exr(path, most_pixels)
         else:
-            array = _load_picture(path)
+            array = _load_picture(path, most_pixels)
     except FormatError:
         raise
     except Exception as error:
@@ -126,49 +128,50 @@ def load_image(path: Path | str) -> NDArray[Any]:
     return array
 
 
-def _load_npy(path: Path) -> NDArray[Any]:
+def _load_npy(path: Path, most_pixels: int) -> NDArray[Any]:
     # Mapped, so that a header which claims more than the file holds fails before memory is taken.
     mapped = np.load(path, mmap_mode="r", allow_pickle=False)
     if not isinstance(mapped, np.ndarray):
         raise FormatError(f"{path}: is an archive of arrays (NPZ); expected one array (NPY)")
+    if mapped.size > 4 * most_pixels:
+        raise FormatError(f"{path}: an array of shape {mapped.shape} is too large; expected at most {most_pixels} pixels")
     return np.array(mapped)
 
 
-def _load_picture(path: Path) -> NDArray[Any]:
-    from PIL import Image
+def _load_picture(path: Path, most_pixels: int) -> NDArray[Any]:
+    from PIL import Image, ImageOps
 
-    with warnings.catch_warnings(), _pillow_limit(), Image.open(path, formats=PICTURES) as image:
+    with warnings.catch_warnings(), _pillow_limit(most_pixels), Image.open(path, formats=PICTURES) as image:
         warnings.simplefilter("error", Image.DecompressionBombWarning)
-        if image.mode in ("I", "I;16", "I;16B", "I;16L"):
-            return np.asarray(image).astype(np.uint16)
-        if image.mode not in ("L", "RGB", "RGBA", "F"):
-            image = image.convert("RGBA" if "A" in image.mode or "transparency" in image.info else "RGB")  # type: ignore[assignment]
-        return np.asarray(image)
+        if image.width * image.height > most_pixels:
+            raise FormatError(f"{path}: announces {image.width}x{image.height} pixels; expected at most {most_pixels}")
+        upright = ImageOps.exif_transpose(image)  # as viewers turn photographs
+        if upright.mode in ("I", "I;16", "I;16B", "I;16L"):
+            levels = np.asarray(upright)
+            return levels.astype(np.uint16) if levels.min() >= 0 and levels.max() < 1 << 16 else levels
+        if upright.mode not in ("L", "RGB", "RGBA", "F"):
+            upright = upright.convert("RGBA" if "A" in upright.mode or "transparency" in upright.info else "RGB")
+        return np.asarray(upright)
 
 
 @contextmanager
-def _pillow_limit() -> Iterator[None]:
+def _pillow_limit(most_pixels: int) -> Iterator[None]:
     """Pillow's own limit is a global of that package, which belongs to the caller."""
     from PIL import Image
 
-    before, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, MAX_PIXELS
+    before, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, most_pixels
     try:
         yield
     finally:
         Image.MAX_IMAGE_PIXELS = before
 
 
-def _load_exr(path: Path) -> NDArray[Any]:
-    try:
-        import OpenEXR
-    except ImportError:
-        raise FormatError("EXR needs the package OpenEXR: pip install 'ssao_gl[exr]'") from None
-    with OpenEXR.File(str(path)) as file:
-        channels = file.channels()
-        for name in ("RGBA", "RGB", "Y", "Z", "V"):
-            if name in channels:
-                return np.asarray(channels[name].pixels, np.float32)
-        return np.asarray(next(iter(channels.values())).pixels, np.float32)
+def _load_exr(path: Path, most_pixels: int) -> NDArray[Any]:
+    channels = exr_channels(path, most_pixels)
+    if {"R", "G", "B"} <= channels.keys():
+        return np.stack([channels[name] for name in "RGBA" if name in channels], -1).astype(np.float32)
+    name = next((name for name in ("Y", "Z", "V") if name in channels), next(iter(channels)))
+    return channels[name].astype(np.float32)
 
 
 def _brief(error: BaseException) -> str:

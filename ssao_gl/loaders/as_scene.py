@@ -11,8 +11,10 @@ import numpy as np
 from ..errors import SceneError, SettingsError
 from ..scene.camera import Camera
 from ..scene.model import Scene
+from ..scene.projection import Size
 from . import pyrender_scenes
 from .camera_files import load_camera
+from .camera_objects import camera_of
 from .load import load_scene
 from .up_axis import up_direction
 
@@ -45,16 +47,28 @@ def _scene(source: Any) -> Scene:
     )
 
 
-def as_camera(source: Any) -> Camera:
-    """A camera from a camera file (``"FILE.cam.json:NAME"``), a ``pyrender.Scene`` with a camera, or itself."""
+def as_camera(source: Any, size: Size | None = None) -> Camera:
+    """A camera from a camera file (``"FILE:NAME"``), a ``pyrender.Scene`` with a camera, a camera of another library, or itself.
+
+    size: (width, height) of the image, for what does not say. See :func:`.camera_objects.camera_of` and
+    :func:`.camera_files.load_cameras` for what is known. Raises SettingsError, SceneError.
+    """
     if isinstance(source, Camera):
         return source
     if isinstance(source, str | Path):
-        return load_camera(str(source))
+        return load_camera(str(source), size)
     if pyrender_scenes.is_pyrender_scene(source):
         return pyrender_scenes.camera_from_pyrender(source)
-    size = "; the size is the argument after it: size=(width, height)" if isinstance(source, tuple) and len(source) == 2 else ""
-    raise SettingsError(
-        f"cannot use a {type(source).__name__} as camera; expected a Camera, by Camera.perspective or Camera.pinhole, a camera file"
-        f" or a pyrender.Scene{size}"
-    )
+    found = camera_of(source, size)
+    if found is None:
+        pair = (
+            "; the size is the argument after it: size=(width, height)"
+            if isinstance(source, tuple) and len(source) == 2
+            else ""
+        )
+        raise SettingsError(
+            f"cannot use a {type(source).__name__} as camera; expected a Camera, by Camera.perspective or Camera.pinhole, a camera"
+            " file, a pyrender.Scene, node or camera, pyvista.Camera, Open3D intrinsics, a matrix (3, 3), or a pair of one of these"
+            f" and a pose (4, 4){pair}"
+        )
+    return found

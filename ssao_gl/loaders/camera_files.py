@@ -1,26 +1,71 @@
-"""Camera files: JSON with a list of named cameras."""
+"""Camera files of any kind that is known, told apart by what they hold; ours are JSON with a list of named cameras."""
 
 from __future__ import annotations
 
 import json
-import math
+import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, SsaoError, near_miss, one_line
+from ..errors import InputWarning, SceneError, SsaoError, near_miss, one_line
 from ..io.atomic import why_unreadable
-from ..scene.camera import Camera, Orthographic, Perspective, look_at
+from ..scene.camera import Camera
+from ..scene.projection import Size
+from . import camera_bop, camera_colmap, camera_nerf
 
 MAX_BYTES = 16 << 20
 
 
-def load_cameras(path: Path | str) -> list[Camera]:
-    """Every camera of a ``.cam.json`` file.
+def load_cameras(path: Path | str, size: Size | None = None) -> list[Camera]:
+    """Every camera of a file.
 
-    ``{"cameras": [{"name", "eye", "target", "up", "yfov_deg" or "ortho_height", "znear", "zfar", "ao_radius"}]}``, in
-    scene units and degrees; ``up``, ``znear``, ``zfar``, ``ao_radius`` and ``name`` may be left out. Raises SceneError.
+    - Ours, ``{"cameras": [{"name", "eye", "target", "up", "yfov_deg" or "ortho_height", "znear", "zfar", "ao_radius"}]}``, in
+      scene units and degrees; all but ``eye``, ``target`` and one lens may be left out; ``pose`` (4, 4) may stand for the
+      first two, ``intrinsics`` (fx, fy, cx, cy, width, height) or ``projection`` (4, 4) for the angle. Or one such entry alone.
+    - NeRF's ``transforms.json``, COLMAP's ``cameras`` and ``images`` as ``.txt`` or ``.bin`` (name one of them, or the folder),
+      BOP's ``scene_camera.json`` and ``camera.json``, and Open3D's ``PinholeCameraIntrinsic`` and ``PinholeCameraParameters``.
+
+    size: (width, height) of the image that a camera is for, where the file does not say. Raises SceneError.
     """
     path = Path(path)
+    try:
+        if camera_colmap.is_colmap(path):
+            return camera_colmap.read_colmap(path)
+        return _from_json(path, size)
+    except (KeyError, TypeError, ValueError, OverflowError, IndexError) as error:
+        missing = f"lacks {error}" if isinstance(error, KeyError) else one_line(error)
+        raise SceneError(f"{path}: {missing}") from None
+    except SsaoError as error:
+        text = str(error)
+        raise SceneError(text if text.startswith(str(path)) else f"{path}: {text}") from None
+
+
+def load_camera(spec: str, size: Size | None = None) -> Camera:
+    """A camera by ``FILE``, ``FILE:NAME`` or ``FILE:NUMBER`` (from 0); without a choice, the first, with a warning if there are
+    more. Raises SceneError."""
+    name, _, choice = spec.rpartition(":")
+    if not name or Path(spec).exists():
+        name, choice = spec, ""
+    cameras = load_cameras(name, size)
+    if not choice:
+        if len(cameras) > 1:
+            text = f"{name}: 1 of {len(cameras)} cameras: the first one, '{cameras[0].name}', is taken; choose by FILE:NAME"
+            warnings.warn(text, InputWarning, stacklevel=2)
+        return cameras[0]
+    names = [camera.name for camera in cameras]
+    for known in (names, [Path(one).name for one in names], [Path(one).stem for one in names]):
+        if choice in known:
+            return cameras[known.index(choice)]
+    if choice.isascii() and choice.isdigit() and int(choice[:9]) < len(cameras):
+        return cameras[int(choice[:9])]
+    listed = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "")
+    raise SceneError(
+        f"{name}: no camera '{choice}'; it has {one_line(listed)} (or a number from 0 to {len(names) - 1}).{near_miss(choice, names)}"
+    )
+
+
+def _from_json(path: Path, size: Size | None) -> list[Camera]:
     if reason := why_unreadable(path):
         raise SceneError(f"{path}: {reason}; expected a camera file, FILE.cam.json or FILE.cam.json:NAME")
     if path.stat().st_size > MAX_BYTES:
@@ -29,29 +74,19 @@ def load_cameras(path: Path | str) -> list[Camera]:
         content = json.loads(path.read_text("utf-8"))
     except (ValueError, RecursionError) as error:
         raise SceneError(f"{path}: not JSON ({one_line(error, 120)}); expected a camera file, FILE.cam.json") from None
+    if isinstance(content, dict):
+        if camera_nerf.is_transforms(content):
+            return camera_nerf.read_transforms(content, path, size)
+        if camera_bop.is_bop(content):
+            return camera_bop.read_bop(content, path, size)
+        if "intrinsic_matrix" in content or "intrinsic" in content:
+            return [camera_bop.read_open3d(content)]
+        if "cameras" not in content and ({"eye", "pose"} & content.keys()):
+            content = {"cameras": [content]}
     listed = content.get("cameras") if isinstance(content, dict) else None
     if not isinstance(listed, list) or not listed:
         raise SceneError(f"{path}: expected an object with a list 'cameras'")
-    return [_camera(entry, index, path) for index, entry in enumerate(listed)]
-
-
-def load_camera(spec: str) -> Camera:
-    """A camera by ``FILE``, ``FILE:NAME`` or ``FILE:NUMBER`` (from 0); without a choice, the first. Raises SceneError."""
-    name, _, choice = spec.rpartition(":")
-    if not name or Path(spec).is_file():
-        name, choice = spec, ""
-    cameras = load_cameras(name)
-    if not choice:
-        return cameras[0]
-    for camera in cameras:
-        if camera.name == choice:
-            return camera
-    if choice.isascii() and choice.isdigit() and int(choice[:9]) < len(cameras):
-        return cameras[int(choice[:9])]
-    names = [camera.name for camera in cameras]
-    raise SceneError(
-        f"{name}: no camera '{choice}'; it has {', '.join(names)} (or a number from 0 to {len(names) - 1}).{near_miss(choice, names)}"
-    )
+    return _named([_camera(entry, index, path) for index, entry in enumerate(listed)])
 
 
 def _camera(entry: Any, index: int, path: Path) -> Camera:
@@ -60,22 +95,12 @@ def _camera(entry: Any, index: int, path: Path) -> Camera:
         raise SceneError(f"{where} is not an object")
     where += f" ('{entry.get('name')}')" if entry.get("name") else ""
     try:
-        pose = look_at(entry["eye"], entry["target"], entry.get("up", (0, 1, 0)))
-        znear = float(entry.get("znear", 0.01))
-        zfar = None if entry.get("zfar") is None else float(entry["zfar"])
-        lens: Any
-        if "ortho_height" in entry:
-            lens = Orthographic(float(entry["ortho_height"]), znear, 1e4 if zfar is None else zfar)
-        else:
-            lens = Perspective(math.radians(float(entry["yfov_deg"])), znear, zfar)
-        radius = entry.get("ao_radius")
-        if radius is not None and not 0 < float(radius) < math.inf:
-            raise SceneError(f"{where}: ao_radius={radius} must be above 0 and finite")
-        return Camera(lens, pose, str(entry.get("name", index)), None if radius is None else float(radius))
-    except KeyError as error:
-        raise SceneError(f"{where}: lacks {error}.{near_miss(error.args[0], entry)}") from None
-    except (TypeError, ValueError, OverflowError) as error:
-        raise SceneError(f"{where}: {error}") from None
+        return Camera.from_json(entry)
     except SsaoError as error:
-        text = str(error)
-        raise SceneError(text if text.startswith(str(path)) else f"{where}: {text.removeprefix('camera: ')}") from None
+        text = str(error).removeprefix("camera: ")
+        raise SceneError(f"{where}: {text}") from None
+
+
+def _named(cameras: Sequence[Camera]) -> list[Camera]:
+    """Return the cameras; those without a name are called by their numbers."""
+    return [camera if camera.name else camera.named(str(index)) for index, camera in enumerate(cameras)]

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import SceneError, one_line
-from ..scene.camera import Camera, Orthographic, Perspective
+from ..scene.camera import Camera
+from ..scene.lens import Orthographic, Perspective
 from ..scene.projection import Matrix
 from .gltf_accessors import values
 from .gltf_document import Document, Tree, index
@@ -125,7 +126,8 @@ def _camera(document: Document, node: Tree, world: Matrix, number: int) -> list[
             facts = entry["orthographic"]
             lens = Orthographic(2 * float(facts["ymag"]), float(facts["znear"]), float(facts["zfar"]))
         pose = world.copy()
-        pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)  # a camera has no size
+        pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)  # a camera has no size,
+        pose[:3, 0] *= np.sign(np.linalg.det(pose[:3, :3]))  # and does not mirror
         if not math.isclose(abs(np.linalg.det(pose[:3, :3])), 1, abs_tol=1e-3):
             raise ValueError("its axes are not at right angles")
         return [Camera(lens, pose, name)]

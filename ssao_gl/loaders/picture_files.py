@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,15 @@ class Texels:
             grey = (np.asarray(image).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)
             return np.repeat(grey[..., None], 3, 2)
         return np.asarray(image.convert("RGBA" if alpha else "RGB"))
+
+
+def picture_size(path: Path) -> tuple[int, int] | None:
+    """Return (width, height) as a picture file's header says them; None when there is no such picture."""
+    try:
+        with Image.open(path, formats=PICTURES) as image:
+            return image.size
+    except (OSError, ValueError, Image.DecompressionBombError):
+        return None
 
 
 def file_size(image: Any) -> int:

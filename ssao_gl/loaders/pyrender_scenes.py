@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
-from ..scene.camera import Camera, Pinhole
+from ..scene.camera import Camera
+from ..scene.lens import Pinhole
 from ..scene.model import DEFAULT_COLOR, Mesh, Scene
 from ..scene.projection import Matrix, Size
 from .finished import finished

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError, one_line
-from ..scene.camera import Camera, Perspective
+from ..scene.camera import Camera
+from ..scene.lens import Perspective
 from ..scene.model import Mesh, Scene
 from .finished import finished
 from .mesh_building import MeshData, build_mesh

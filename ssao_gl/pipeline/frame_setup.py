@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from ..graph.plan import Plan
 from ..graph.regions import DrawRegion
-from ..scene.camera import Camera, CropLens
+from ..scene.camera import Camera
+from ..scene.lens import CropLens
 from ..scene.model import Scene
 from ..scene.projection import Size, ViewConstants
 from ..scene.screen_bounds import screen_bounds

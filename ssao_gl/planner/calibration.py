@@ -23,8 +23,9 @@ from ..io.cache import read_cached, write_cached
 from ..io.fingerprint import code_fingerprint
 from ..pipeline.frame_setup import frame_setup
 from ..pipeline.settings import Settings
-from ..scene.camera import Camera, look_at
+from ..scene.camera import Camera
 from ..scene.model import Scene
+from ..scene.pose import look_at
 from ..scene.projection import Size
 from ..settings import as_table
 from .candidates import FAMILIES, Family

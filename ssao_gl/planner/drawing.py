@@ -11,6 +11,7 @@ from ..pipeline.settings import Settings
 from ..render.picture import Picture
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
+from ..scene.depth_image import DepthImage
 from ..scene.model import Scene
 from ..scene.projection import Size
 from .choice import Target
@@ -42,7 +43,7 @@ def render_planned(
 
 def apply_planned(
     renderer: Renderer,
-    depth: NDArray[Any],
+    depth: NDArray[Any] | DepthImage,
     camera: Camera,
     target: Target | None,
     settings: Settings | None = None,
@@ -57,6 +58,8 @@ def apply_planned(
     Without a target: with the settings as they are.
     """
     given: dict[str, Any] = {"color": color, "normals": normals, "depth_kind": depth_kind}
+    if isinstance(depth, DepthImage):  # once, however many frames it is planned by
+        depth, given["depth_kind"] = DepthImage.settled(depth.linear(camera)), "eye"
     if target is None:
         return renderer.apply(depth, camera, settings=settings, **given, **options)
     choice = plan_arrays(renderer, depth, camera, target, settings, **given)

@@ -17,6 +17,7 @@ from ..pipeline.outputs import aov_names
 from ..pipeline.settings import Settings
 from ..render.arrays import pixel_size
 from ..scene.camera import Camera
+from ..scene.depth_image import DepthImage
 from ..scene.model import Scene
 from ..scene.projection import Size
 from .calibration import calibrated, clock
@@ -66,7 +67,7 @@ def plan(
 
 def plan_arrays(
     renderer: Renderer,
-    depth: NDArray[Any],
+    depth: NDArray[Any] | DepthImage,
     camera: Camera,
     target: Target,
     settings: Settings | None = None,

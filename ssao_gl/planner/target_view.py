@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from ..graph.names import DEPTH, IMAGE, NORMAL, VISIBILITY
 from ..graph.plan import Plan
 from ..graph.regions import DrawRegion
-from ..pipeline.build import EYE_DEPTH, plan_apply
+from ..pipeline.build import EYE_DEPTH, WINDOW_DEPTH, plan_apply
 from ..pipeline.frame_setup import frame_setup
 from ..pipeline.settings import Settings
-from ..render.arrays import check_arrays, radius_of
+from ..render.arrays import check_arrays, radius_of, settled_depth
 from ..render.picture import Picture
+from ..render.upsampled import needs_upsampling
 from ..scene.camera import Camera
+from ..scene.depth_image import DepthImage
 from ..scene.model import Scene
 from ..scene.projection import Size
 
@@ -59,7 +61,7 @@ def of_scene(
 
 def of_arrays(
     renderer: Renderer,
-    depth: NDArray[Any],
+    depth: NDArray[Any] | DepthImage,
     camera: Camera,
     settings: Settings,
     *,
@@ -68,6 +70,9 @@ def of_arrays(
     depth_kind: str = EYE_DEPTH,
 ) -> PlanTarget:
     """Arrays that occlusion is applied to. Raises FormatError for shapes that do not fit."""
+    depth, depth_kind = settled_depth(depth, depth_kind, camera)
+    if needs_upsampling(color, depth):
+        color = None  # which is dimmed after the frame
     depth, color, normals = check_arrays(depth, color, normals)
     size = (depth.shape[1], depth.shape[0])
     outputs = (VISIBILITY, DEPTH, NORMAL, *((IMAGE,) if color is not None else ()))
@@ -75,7 +80,8 @@ def of_arrays(
     def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
         every = smaller if min(size) >= smaller else 1
         d, c, n = (None if a is None else np.ascontiguousarray(a[::every, ::every]) for a in (depth, color, normals))
-        return renderer.apply(d, camera, color=c, normals=n, depth_kind=depth_kind, settings=one, aovs=wanted, timed=timed)  # type: ignore[arg-type]
+        seen = d if depth_kind == WINDOW_DEPTH or d is None else DepthImage.settled(d)
+        return renderer.apply(seen, camera, color=c, normals=n, depth_kind=depth_kind, settings=one, aovs=wanted, timed=timed)  # type: ignore[arg-type]
 
     def framed(one: Settings) -> tuple[Plan, DrawRegion]:
         made = plan_apply(one, size, depth=depth_kind, normals=normals is not None, outputs=outputs)

@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import FormatError, SceneError, SettingsError
+from ..pipeline.build import EYE_DEPTH, WINDOW_DEPTH
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera
+from ..scene.depth_image import DepthImage
 from ..scene.model import RADIUS_SHARE, Scene
 from ..scene.projection import Size
 
@@ -41,6 +43,14 @@ def check_kinds(scene: object, camera: object, settings: object) -> None:
         raise SettingsError(
             f"Renderer: settings are a {type(settings).__name__}; expected Settings, like Settings(method=Bitmask())"
         )
+
+
+def settled_depth(depth: NDArray[Any] | DepthImage, kind: str, camera: Camera) -> tuple[NDArray[Any], str]:
+    """Return depth that shaders read, and its kind: eye, or window, which they linearize. Raises FormatError, SettingsError."""
+    if kind == WINDOW_DEPTH and not isinstance(depth, DepthImage):
+        return depth, kind
+    image = depth if isinstance(depth, DepthImage) else DepthImage(depth, kind, empty="warn")
+    return image.linear(camera), EYE_DEPTH
 
 
 def check_arrays(

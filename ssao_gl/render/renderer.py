@@ -31,13 +31,15 @@ from ..pipeline.frame_setup import FrameSetup, frame_setup
 from ..pipeline.outputs import aov_names
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera
+from ..scene.depth_image import DepthImage
 from ..scene.model import Scene
 from ..scene.projection import Size
-from .arrays import check_arrays, check_kinds, pixel_size, radius_of
+from .arrays import check_arrays, check_kinds, pixel_size, radius_of, settled_depth
 from .deprecated import drawn_to_budget
 from .memory import check_room
 from .picture import Picture
 from .readback import read_aov, time_passes
+from .upsampled import needs_upsampling, upsampled
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -190,7 +192,7 @@ class Renderer:
     def apply(
         self,
         /,
-        depth: NDArray[Any],
+        depth: NDArray[Any] | DepthImage,
         camera: Camera,
         *,
         color: NDArray[Any] | None = None,
@@ -204,15 +206,18 @@ class Renderer:
     ) -> Picture:
         """Occlusion over arrays, row 0 on top.
 
-        depth: (h, w) distance along the view axis in scene units (0, inf, nan: background), or window depth in 0..1.
-        color: (h, w, 3 or 4) uint8 sRGB, to be dimmed. normals: (h, w, 3) view space. Gives ``aovs``, and image when
-        there is colour. Raises FormatError for shapes that do not fit. ``timed``, ``budget``: see :meth:`render`.
+        depth: (h, w) numbers of ``depth_kind``, or a :class:`ssao_gl.DepthImage`, which says what they are; without a
+        surface, numbers are all open, with a warning. color: (h, w, 3 or 4) uint8 sRGB, to be dimmed; where it is larger
+        than depth, all results are upsampled to its size. normals: (h, w, 3) view space. Gives ``aovs``, and image when there
+        is colour. Raises FormatError for shapes that do not fit. ``timed``, ``budget``: see :meth:`render`.
         """
         if draw := drawn_to_budget("apply_planned", budget):
             given = {"color": color, "normals": normals, "depth_kind": depth_kind}
             return draw(self, depth, camera, settings=settings, **given, aovs=aovs, timed=timed, checked=checked)
         aovs = aov_names(aovs)
-        depth, color, normals = check_arrays(depth, color, normals)
+        depth, depth_kind = settled_depth(depth, depth_kind, camera)
+        guide = color if needs_upsampling(color, depth) else None
+        depth, color, normals = check_arrays(depth, None if guide is not None else color, normals)
         h, w = depth.shape
         size = (w, h)
         settings = settings or Settings()
@@ -239,6 +244,9 @@ class Renderer:
             self._check("drawing")
             report = self._report(settings, size, frame, time.perf_counter() - started)
             report |= time_passes(frame, timed, view, inputs)
+            if guide is not None:
+                needed = {name: read_aov(drawn, name) for name in ("visibility", "depth")}
+                arrays = upsampled(arrays, needed, guide, settings.shading.ambient)
         return Picture(arrays, report)
 
     @_current

@@ -1,184 +1,35 @@
-"""Cameras: a lens, which gives a projection for any image size, and a pose.
+"""Cameras: a lens, and a pose.
 
 ``pose`` is camera-to-world in OpenGL axes (as in glTF, pyrender and trimesh). See :mod:`ssao_gl.scene.projection` for the conventions.
 """
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Hashable
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Literal, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import SettingsError
+from ..errors import SettingsError, near_miss, one_line
+from .lens import (
+    ClipRange,
+    CropLens,
+    Lens,
+    Orthographic,
+    Perspective,
+    Pinhole,
+    Projection,
+    intrinsics_of,
+    lens_of,
+    lens_table,
+)  # fmt: skip
+from .pose import TURN, Axes, inverse, look_at, matrix4, pose_of, rigid
 from .projection import Matrix, Size, ViewConstants
-
-ClipRange = Literal["-1..1", "0..1"]
-
-NARROWEST = 1e-6
-"""Smallest field of view, radians, and smallest distance of one from a straight angle."""
-
-
-class Lens(Hashable, Protocol):
-    """Anything that gives a projection matrix for an image size."""
-
-    def matrix(self, size: Size) -> Matrix:
-        """Return the (4, 4) projection from view space to clip space, row-major (``clip = matrix @ view``)."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class Perspective:
-    """Symmetric perspective: vertical field of view in radians, near and far distance (``zfar=None``: infinite)."""
-
-    yfov: float
-    znear: float
-    zfar: float | None = None
-
-    def __post_init__(self) -> None:
-        if not NARROWEST <= self.yfov <= math.pi - NARROWEST:
-            degrees = f"; {self.yfov:g} degrees are math.radians({self.yfov:g})" if math.pi < self.yfov < 180 else ""
-            raise SettingsError(
-                f"camera: yfov is {self.yfov:g} radians; it must lie between 0 and pi, and not at either{degrees}"
-            )
-        _check_range(self.znear, self.zfar)
-
-    def matrix(self, size: Size) -> Matrix:
-        f = 1 / math.tan(self.yfov / 2)
-        return _frustum(f * size[1] / size[0], f, 0.0, 0.0, self.znear, self.zfar)
-
-
-@dataclass(frozen=True, slots=True)
-class Orthographic:
-    """Parallel projection of a window ``height`` scene units high; its width follows the image."""
-
-    height: float
-    znear: float = 0.0
-    zfar: float = 1.0
-
-    def __post_init__(self) -> None:
-        if not (self.height > 0 and math.isfinite(self.height)):
-            raise SettingsError(f"camera: an orthographic height of {self.height:g}; it must be above 0")
-        if not self.zfar > self.znear:
-            raise SettingsError(f"camera: zfar={self.zfar:g} must lie behind znear={self.znear:g}")
-        if not (math.isfinite(self.znear) and math.isfinite(self.zfar)):
-            raise SettingsError("camera: the clip planes of a parallel projection must be finite")
-
-    def matrix(self, size: Size) -> Matrix:
-        m = np.eye(4)
-        m[0, 0], m[1, 1] = 2 * size[1] / (size[0] * self.height), 2 / self.height
-        depth = self.zfar - self.znear
-        m[2, 2], m[2, 3] = -2 / depth, -(self.zfar + self.znear) / depth
-        return m
-
-
-@dataclass(frozen=True, slots=True)
-class Pinhole:
-    """Intrinsics in pixels of a ``width`` x ``height`` image, row 0 on top, as OpenCV and COLMAP give them.
-
-    Pixel centres lie at whole numbers + 0.5. Another image size scales the intrinsics.
-    """
-
-    fx: float
-    fy: float
-    cx: float
-    cy: float
-    width: int
-    height: int
-    znear: float = 0.01
-    zfar: float | None = None
-
-    def __post_init__(self) -> None:
-        if not (self.fx > 0 and self.fy > 0 and self.width > 0 and self.height > 0):
-            raise SettingsError("camera: fx, fy, width and height of a pinhole camera must be above 0")
-        if not all(map(math.isfinite, (self.fx, self.fy, self.cx, self.cy))):
-            raise SettingsError("camera: fx, fy, cx and cy of a pinhole camera must be finite")
-        _check_range(self.znear, self.zfar)
-
-    def matrix(self, size: Size) -> Matrix:
-        w, h = self.width, self.height
-        return _frustum(2 * self.fx / w, 2 * self.fy / h, 1 - 2 * self.cx / w, 2 * self.cy / h - 1, self.znear, self.zfar)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Projection:
-    """Any projection matrix (4, 4), row-major. ``clip`` is its depth range: "-1..1" (OpenGL) or "0..1"."""
-
-    values: Matrix
-    clip: ClipRange = "-1..1"
-
-    def matrix(self, size: Size) -> Matrix:
-        m = _matrix4(self.values, "projection")
-        if self.clip == "0..1":  # to OpenGL's range, which all the rest speaks
-            m = m.copy()
-            m[2] = 2 * m[2] - m[3]
-        return m
-
-
-@dataclass(frozen=True, slots=True)
-class CropLens:
-    """What another lens shows in a part of its image: off-centre, with the same pixels.
-
-    ``whole`` is the size of that image, ``corner`` the pixel of it that is the part's lower left; the part's size is the
-    one that :meth:`matrix` is asked for.
-    """
-
-    lens: Lens
-    whole: Size
-    corner: tuple[int, int]
-
-    def matrix(self, size: Size) -> Matrix:
-        m = self.lens.matrix(self.whole).copy()
-        for axis in (0, 1):  # ndc' = (ndc * whole + whole - 2 corner - size) / size
-            whole, low, side = self.whole[axis], self.corner[axis], size[axis]
-            m[axis] = whole / side * m[axis] + (whole - 2 * low - side) / side * m[3]
-        return m
-
-
-def _check_range(znear: float, zfar: float | None) -> None:
-    if not (znear > 0 and math.isfinite(znear)):
-        raise SettingsError(f"camera: znear={znear:g} must be above 0")
-    if zfar is not None and not zfar > znear:
-        raise SettingsError(f"camera: zfar={zfar:g} must lie behind znear={znear:g}")
-
-
-def _frustum(sx: float, sy: float, ox: float, oy: float, n: float, f: float | None) -> Matrix:
-    m = np.zeros((4, 4))
-    m[0, 0], m[1, 1], m[0, 2], m[1, 2], m[3, 2] = sx, sy, ox, oy, -1
-    infinite = f is None or math.isinf(f)
-    m[2, 2], m[2, 3] = (-1, -2 * n) if infinite or f is None else ((f + n) / (n - f), 2 * f * n / (n - f))
-    return m
-
-
-def _matrix4(values: ArrayLike, what: str) -> Matrix:
-    m = np.asarray(values, np.float64)
-    if m.shape != (4, 4) or not np.isfinite(m).all():
-        raise SettingsError(f"camera: {what} must be a finite (4, 4) matrix, got shape {m.shape}")
-    return m
-
-
-def look_at(eye: ArrayLike, target: ArrayLike, up: ArrayLike = (0, 1, 0)) -> Matrix:
-    """Return the camera-to-world pose (4, 4) of a camera at ``eye`` that looks at ``target``; ``up`` is upwards in the
-    image."""
-    eye, target, up = (np.asarray(v, np.float64) for v in (eye, target, up))
-    if not all(v.shape == (3,) and np.isfinite(v).all() for v in (eye, target, up)):
-        raise SettingsError("camera: eye, target and up must each be three finite numbers")
-    back = eye - target
-    right = np.cross(up, back)
-    if not np.linalg.norm(back) > 0:
-        raise SettingsError("camera: eye and target are the same point")
-    if not np.linalg.norm(right) > 1e-12 * np.linalg.norm(up) * np.linalg.norm(back):
-        raise SettingsError("camera: up is parallel to the direction of view; choose another up")
-    pose = np.eye(4)
-    pose[:3, 2] = back / np.linalg.norm(back)
-    pose[:3, 0] = right / np.linalg.norm(right)
-    pose[:3, 1] = np.cross(pose[:3, 2], pose[:3, 0])
-    pose[:3, 3] = eye
-    return pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -192,17 +43,17 @@ class Camera:
     """A radius in scene units that suits this view, when its file names one."""
 
     def __post_init__(self) -> None:
-        _matrix4(self.pose, "pose")
+        object.__setattr__(self, "pose", rigid(self.pose))
 
     @classmethod
     def perspective(cls, yfov: float, znear: float = 0.01, zfar: float | None = None, pose: ArrayLike | None = None) -> Camera:
         """Return a symmetric perspective camera; ``yfov`` in radians, ``zfar=None`` for an infinite far plane."""
-        return cls(Perspective(yfov, znear, zfar), _pose(pose))
+        return cls(Perspective(yfov, znear, zfar), pose_of(pose))
 
     @classmethod
     def orthographic(cls, height: float, znear: float, zfar: float, pose: ArrayLike | None = None) -> Camera:
         """Return a parallel projection that shows ``height`` scene units from bottom to top."""
-        return cls(Orthographic(height, znear, zfar), _pose(pose))
+        return cls(Orthographic(height, znear, zfar), pose_of(pose))
 
     @classmethod
     def pinhole(
@@ -217,37 +68,97 @@ class Camera:
         zfar: float | None = None,
         pose: ArrayLike | None = None,
         world_to_camera: ArrayLike | None = None,
+        axes: Axes | None = None,
     ) -> Camera:
         """OpenCV or COLMAP intrinsics in pixels of an image of ``size`` (width, height).
 
-        ``pose`` is camera-to-world in OpenGL axes; ``world_to_camera`` is the OpenCV extrinsic matrix (x right, y down,
-        z forward), (4, 4) or (3, 4), converted here. Give at most one.
+        ``pose`` is camera-to-world, in OpenGL axes unless ``axes`` says "opencv" (x right, y down, z forward);
+        ``world_to_camera`` is the extrinsic matrix, in OpenCV axes unless it says "opengl". Both (4, 4) or (3, 4). Give at
+        most one. Raises SettingsError for matrices that do more than turn and move.
         """
         try:
             w, h = size
         except (TypeError, ValueError):
             raise SettingsError(f"camera: size={size!r}; must be (width, height) of the image in pixels") from None
-        if world_to_camera is not None:
-            extrinsic = np.eye(4)
-            extrinsic[:3] = np.asarray(world_to_camera, np.float64)[:3]
-            pose = np.linalg.inv(extrinsic) @ np.diag([1.0, -1.0, -1.0, 1.0])
-        return cls(Pinhole(fx, fy, cx, cy, w, h, znear, zfar), _pose(pose))
+        return cls(Pinhole(fx, fy, cx, cy, w, h, znear, zfar), pose_of(pose, world_to_camera, axes))
+
+    @classmethod
+    def from_intrinsics(
+        cls, k: ArrayLike, size: Size, *, pose: ArrayLike | None = None, world_to_camera: ArrayLike | None = None,
+        axes: Axes | None = None, znear: float = 0.01, zfar: float | None = None,
+    ) -> Camera:  # fmt: skip
+        """Return the camera of a calibration matrix ``k`` (3, 3), pixels; the rest as in :meth:`pinhole`.
+
+        Raises SettingsError for what is no such matrix, and for skew.
+        """
+        fx, fy, cx, cy = intrinsics_of(k)
+        return cls.pinhole(
+            fx, fy, cx, cy, size, pose=pose, world_to_camera=world_to_camera, axes=axes, znear=znear, zfar=zfar
+        )  # fmt: skip
 
     @classmethod
     def from_matrix(cls, projection: ArrayLike, pose: ArrayLike | None = None, clip: ClipRange = "-1..1") -> Camera:
         """Any projection matrix (4, 4), row-major: off-centre, reversed, infinite, oblique; ``clip`` is its depth range."""
         if clip not in ("-1..1", "0..1"):
             raise SettingsError(f"camera: clip={clip!r}; must be '-1..1' or '0..1'")
-        return cls(Projection(_matrix4(projection, "projection"), clip), _pose(pose))
+        return cls(Projection(matrix4(projection, "projection"), clip), pose_of(pose))
 
     def view(self, size: Size) -> ViewConstants:
         """Return the constants for an image of ``size`` (width, height). Raises SettingsError when the projection is
         unusable."""
         return _view(self.lens, size)
 
+    def named(self, name: str) -> Camera:
+        """Return the same camera under another name."""
+        return replace(self, name=name)
 
-def _pose(pose: ArrayLike | None) -> Matrix:
-    return np.eye(4) if pose is None else _matrix4(pose, "pose")
+    @property
+    def world_to_camera(self) -> Matrix:
+        """The extrinsic matrix (4, 4) in OpenCV axes (x right, y down, z forward)."""
+        return TURN @ inverse(self.pose)
+
+    def intrinsics(self, size: Size) -> Matrix:
+        """Return the calibration matrix (3, 3) for an image of ``size`` (width, height), pixels, row 0 on top.
+
+        Pixel centres lie at whole numbers + 0.5. Raises SettingsError for cameras whose rays do not meet in the eye.
+        """
+        if not self.view(size).pinhole:
+            raise SettingsError("camera: intrinsics are for perspective cameras only")
+        (w, h), m = size, self.lens.matrix(size) / self.view(size).w1
+        across, down = np.array([w / 2, -h / 2]), np.array([w / 2, h / 2])
+        k = np.eye(3)
+        k[:2, :2] = across[:, None] * m[:2, :2] * (1, -1)
+        k[:2, 2] = down - across * m[:2, 2]
+        return k
+
+    def to_json(self) -> str:
+        """Return the camera as JSON: an entry of a camera file. Raises SettingsError for a lens of another package."""
+        table: dict[str, Any] = {"name": self.name, "pose": self.pose.tolist(), **lens_table(self.lens)}
+        return json.dumps(table if self.ao_radius is None else {**table, "ao_radius": self.ao_radius})
+
+    @classmethod
+    def from_json(cls, text: str | Mapping[str, Any]) -> Camera:
+        """Return the camera of an entry of a camera file: ``pose`` (4, 4), or ``eye``, ``target`` and ``up``; and a lens.
+
+        Raises SettingsError.
+        """
+        try:
+            table = json.loads(text) if isinstance(text, str) else dict(text)
+            if not isinstance(table, dict):
+                raise SettingsError("camera: expected an object")
+            if "pose" in table:
+                pose = rigid(table["pose"])
+            else:
+                pose = look_at(table["eye"], table["target"], table.get("up", (0, 1, 0)))
+            radius = None if table.get("ao_radius") is None else float(table["ao_radius"])
+            lens = lens_of(table)
+        except KeyError as error:
+            raise SettingsError(f"camera: lacks {error}.{near_miss(str(error.args[0]), table)}") from None
+        except (TypeError, ValueError, OverflowError, RecursionError) as error:
+            raise SettingsError(f"camera: {one_line(error)}") from None
+        if radius is not None and not 0 < radius < math.inf:
+            raise SettingsError(f"camera: ao_radius={radius} must be above 0 and finite")
+        return cls(lens, pose, str(table.get("name") or ""), radius)
 
 
 @lru_cache(maxsize=64)

@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
 from .bounds import box_corners, core_bounds, mesh_bounds
-from .camera import Camera, look_at
+from .camera import Camera
 from .material import ColorTexture, Material, alpha_range
 from .points import surfels
+from .pose import look_at
 from .projection import Size
 
 DEFAULT_COLOR = (0.8, 0.8, 0.8)

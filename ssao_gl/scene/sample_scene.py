@@ -7,8 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .camera import Camera, Perspective, look_at
+from .camera import Camera
+from .lens import Perspective
 from .model import Mesh, Scene
+from .pose import look_at
 
 Arrays = tuple[NDArray[np.float32], NDArray[np.uint32], NDArray[np.float32]]
 WALL, FLOOR = (0.93, 0.91, 0.87), (0.86, 0.87, 0.88)

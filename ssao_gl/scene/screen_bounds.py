@@ -6,7 +6,8 @@ import itertools
 
 import numpy as np
 
-from .camera import Camera, Perspective
+from .camera import Camera
+from .lens import Perspective
 from .model import Scene
 from .projection import Matrix, Size, ViewConstants
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import ContextError
+from ..errors import ContextError, InputWarning
 from ..pipeline.settings import Settings
 from ..render.picture import Picture
 from ..render.renderer import Renderer
@@ -79,7 +80,9 @@ class CaseRunner:
             if shot.scene is not None:
                 return renderer.render(shot.scene, shot.camera, shot.size or self.size, **options)
             assert shot.depth is not None
-            return renderer.apply(shot.depth, shot.camera, normals=shot.normals, depth_kind=shot.kind, **options)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", InputWarning)  # what is wrong with a shot is known
+                return renderer.apply(shot.depth, shot.camera, normals=shot.normals, depth_kind=shot.kind, **options)
         except ContextError as error:
             raise Broken(str(error), shot) from None
 

@@ -39,7 +39,10 @@ def corner() -> Scene:
 def moved(scene: Scene, matrix: NDArray[np.float64]) -> Scene:
     """Return the scene, and its cameras, with every transform preceded by ``matrix`` (4, 4)."""
     draws = [dataclasses.replace(d, transforms=matrix @ d.transforms) for d in scene.meshes]
-    cameras = [dataclasses.replace(c, pose=matrix @ c.pose) for c in scene.cameras]
+    poses = [matrix @ c.pose for c in scene.cameras]
+    for pose in poses:
+        pose[:3, :3] /= np.linalg.norm(pose[:3, :3], axis=0)  # cameras have no size
+    cameras = [dataclasses.replace(c, pose=pose) for c, pose in zip(scene.cameras, poses, strict=True)]
     return Scene(draws, cameras=cameras, up=scene.up, name=scene.name)
 
 

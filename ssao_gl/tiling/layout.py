@@ -21,7 +21,8 @@ from ..errors import SettingsError
 from ..methods.base import Method
 from ..pipeline.build import plan_render
 from ..pipeline.settings import Settings, guard_band
-from ..scene.camera import Camera, CropLens
+from ..scene.camera import Camera
+from ..scene.lens import CropLens
 from ..scene.model import Scene
 from ..scene.projection import Size, ViewConstants
 

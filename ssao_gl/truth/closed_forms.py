@@ -16,8 +16,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..scene.camera import Camera, Perspective, look_at
+from ..scene.camera import Camera
+from ..scene.lens import Perspective
 from ..scene.model import Mesh, Scene
+from ..scene.pose import look_at
 from ..scene.projection import Size
 from ..scene.sample_scene import cylinder, lathe, place, sphere
 

@@ -18,7 +18,7 @@ from ssao_gl.cli.help_pages import COMMANDS
 from ssao_gl.cli.options import ViewOptions
 from ssao_gl.io import images
 from ssao_gl.methods.registry import registry
-from ssao_gl.scene.camera import Orthographic, Perspective
+from ssao_gl.scene.lens import Orthographic, Perspective
 from ssao_gl.scene.sample_scene import default_scene
 
 SIZE = ("--size", "64x48")

@@ -11,8 +11,9 @@ import pytest
 import ssao_gl as ao
 from ssao_gl.experiment.culling_savings import ALL_RULES, benchmark_rules, shaded
 from ssao_gl.pipeline.settings import CULLING_RULES
-from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.model import Scene
+from ssao_gl.scene.pose import look_at
 
 from ..command_line import run
 from ..passes.test_culling import room, settings

@@ -11,9 +11,10 @@ import pytest
 import ssao_gl as ao
 from ssao_gl.gl.scene_textures import _fitting
 from ssao_gl.render.renderer import Renderer
-from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.material import ColorTexture, Material
 from ssao_gl.scene.model import Mesh, Scene
+from ssao_gl.scene.pose import look_at
 from ssao_gl.scene.srgb import decode, encode
 from ssao_gl.scene.texels import texels_at
 

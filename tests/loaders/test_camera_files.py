@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ssao_gl.errors import SceneError
+from ssao_gl.errors import InputWarning, SceneError
 from ssao_gl.loaders.camera_files import load_camera, load_cameras
-from ssao_gl.scene.camera import Orthographic, Perspective, look_at
+from ssao_gl.scene.lens import Orthographic, Perspective
+from ssao_gl.scene.pose import look_at
 
 FRONT: dict[str, Any] = {"name": "front", "eye": [0, 0, 5], "target": [0, 0, 0], "yfov_deg": 40}
 PLAN: dict[str, Any] = {"name": "plan", "eye": [0, 9, 0], "target": [0, 0, 0], "up": [0, 0, -1], "ortho_height": 4}
@@ -47,7 +48,8 @@ def test_parallel_projection(tmp_path: Path) -> None:
 
 def test_choice(tmp_path: Path) -> None:
     path = write(tmp_path, FRONT, PLAN, FRONT | {"name": "1"})
-    assert load_camera(str(path)).name == "front"
+    with pytest.warns(InputWarning, match="1 of 3 cameras: the first one, 'front', is taken; choose by FILE:NAME"):
+        assert load_camera(str(path)).name == "front"
     assert load_camera(f"{path}:plan").name == "plan"
     assert load_camera(f"{path}:0").name == "front"
     assert load_camera(f"{path}:1").name == "1", "a name is stronger than a number"

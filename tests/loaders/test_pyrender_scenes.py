@@ -12,7 +12,7 @@ import trimesh
 import ssao_gl as ao
 from ssao_gl.loaders.as_scene import as_camera, as_scene
 from ssao_gl.loaders.pyrender_scenes import camera_from_pyrender, from_pyrender
-from ssao_gl.scene.camera import Orthographic, Perspective
+from ssao_gl.scene.lens import Orthographic, Perspective
 from ssao_gl.scene.model import Mesh, Scene
 
 from ..colors import colors_at_vertices

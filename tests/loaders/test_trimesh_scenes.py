@@ -18,7 +18,7 @@ from PIL import Image
 from ssao_gl.errors import SceneError
 from ssao_gl.loaders.load import load_scene as load_mesh_file
 from ssao_gl.loaders.trimesh_scenes import from_trimesh
-from ssao_gl.scene.camera import Orthographic, Perspective
+from ssao_gl.scene.lens import Orthographic, Perspective
 from ssao_gl.scene.model import Mesh, Scene
 from ssao_gl.scene.srgb import encode
 from ssao_gl.scene.vertex_normals import crease_normals, weld
@@ -516,7 +516,8 @@ def test_trimesh_things_only() -> None:
 
 def test_double_sided(tmp_path: Path, any_renderer: Any) -> None:
     """Faces are seen from both sides, mirrored ones too, with the normal turned to the viewer."""
-    from ssao_gl.scene.camera import Camera, look_at
+    from ssao_gl.scene.camera import Camera
+    from ssao_gl.scene.pose import look_at
 
     mesh = trimesh.Trimesh([[-5, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]], [[0, 1, 2], [0, 2, 3]], process=False)
     mirror = trimesh.Scene()

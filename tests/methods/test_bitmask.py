@@ -12,8 +12,9 @@ import trimesh
 import ssao_gl as ao
 from ssao_gl.methods.bitmask import FALLOFFS
 from ssao_gl.sampling.falloff import rho
-from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.model import Mesh, Scene
+from ssao_gl.scene.pose import look_at
 from ssao_gl.truth.closed_forms import closed_forms
 
 from ..shapes import camera, plane, quad

@@ -7,7 +7,8 @@ import pytest
 
 import ssao_gl as ao
 from ssao_gl.methods.reference import Reference
-from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.pose import look_at
 from ssao_gl.truth.closed_forms import ClosedForm, closed_forms
 
 WITHIN = 0.01

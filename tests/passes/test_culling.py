@@ -11,8 +11,9 @@ import pytest
 import ssao_gl as ao
 from ssao_gl.graph.names import BLOCK_OPEN
 from ssao_gl.pipeline.settings import CULLING_RULES
-from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.model import Scene
+from ssao_gl.scene.pose import look_at
 from ssao_gl.scene.screen_bounds import screen_bounds
 
 from ..shapes import camera, corner, plane, quad

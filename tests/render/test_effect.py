@@ -14,7 +14,8 @@ import pytest
 import ssao_gl as ao
 from ssao_gl.gl.context import Context
 from ssao_gl.gl.executor import FrameExecutor
-from ssao_gl.scene.camera import Camera, Perspective
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.lens import Perspective
 
 from ..conftest import openable
 from ..guest_program import FRAMEBUFFER, TEXTURE_2D, I, P, U, alive, disturb, everything, framebuffer, generate

@@ -275,9 +275,9 @@ def test_arrays_that_do_not_fit(folder: Path, capsys: pytest.CaptureFixture[str]
     np.save("n.npy", np.ones((3, 4), np.float32))
     Image.fromarray(np.zeros((5, 5, 3), np.uint8)).save("c.png")
     view = ("--depth", "d.npy", "--yfov-deg", "40", "-o", "out.png")
-    assert "expected uint8 sRGB of shape (3, 4, 3)" in refused(capsys, "apply", "c.png", *view)
+    assert "color is 5x5, depth 4x3; expected the same size, or larger" in refused(capsys, "apply", "c.png", *view)
     assert "normals are float32 of shape (3, 4)" in refused(capsys, "apply", *view, "--normals", "n.npy")
-    assert "needs a radius" in refused(capsys, "apply", *view, "--depth-kind", "window")
+    assert "no usable texel" in refused(capsys, "apply", *view, "--depth-kind", "window")  # all at the far plane
     assert "depth kind 'eyes'" in refused(capsys, "apply", *view, "--depth-kind", "eyes", "--radius", "1")
     assert not Path("out.png").exists()
 

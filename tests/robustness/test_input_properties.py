@@ -23,7 +23,7 @@ from ssao_gl.methods.registry import registry
 from ssao_gl.passes.denoise import FILTERS
 from ssao_gl.pipeline.presets import read_toml, settings_from
 from ssao_gl.pipeline.settings import Settings, Shading
-from ssao_gl.render.arrays import check_arrays, check_size
+from ssao_gl.render.arrays import check_arrays, pixel_size
 from ssao_gl.sampling.disk import Kernel, Rotation
 from ssao_gl.scene.camera import Camera
 from ssao_gl.settings import as_table, assign, limits, validate
@@ -177,7 +177,7 @@ def test_any_size(text: str) -> None:
     made = refused(lambda: parse_size(text))
     if made is not None:
         assert all(1 <= side <= 65536 for side in made) and text.lower() == text.lower().strip()
-        check_size(made)
+        pixel_size(made)
         assert parse_size(f"{made[0]}x{made[1]}") == made
 
 

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from ssao_gl.errors import SettingsError
 from ssao_gl.gl.scene_buffers import fit_depth_range
-from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.pose import look_at
 from ssao_gl.scene.projection import Matrix, ViewConstants
 
 SIZE = (320, 200)

@@ -15,7 +15,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ssao_gl.errors import SettingsError
-from ssao_gl.scene.camera import Camera, CropLens
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.lens import CropLens
 from ssao_gl.scene.projection import Matrix, ViewConstants
 
 SIDES = st.integers(1, 5000)

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from ssao_gl.scene.camera import Camera, look_at
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.pose import look_at
 from ssao_gl.scene.screen_bounds import screen_bounds
 
 SIZE = (64, 48)

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 import ssao_gl as ao
 from ssao_gl.errors import SettingsError
 from ssao_gl.pipeline.build import plan_render
-from ssao_gl.scene.camera import Camera, CropLens
+from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.lens import CropLens
 from ssao_gl.tiling import layout as tiles
 from ssao_gl.tiling.layout import Layout, layout
 

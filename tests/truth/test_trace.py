@@ -13,7 +13,7 @@ import pytest
 from ssao_gl import Camera, Mesh, Scene, look_at
 from ssao_gl.errors import FormatError, SceneError, SettingsError
 from ssao_gl.sampling.falloff import Falloff, rho
-from ssao_gl.scene.camera import Orthographic, Perspective, Pinhole, Projection
+from ssao_gl.scene.lens import Orthographic, Perspective, Pinhole, Projection
 from ssao_gl.scene.sample_scene import place, sphere
 from ssao_gl.truth import Surface, Tracing, Truth, gather, surface, trace
 from ssao_gl.truth import store as caching

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...pipeline.settings import CULLING_RULES
-from ...scene.camera import Camera, Perspective
+from ...scene.camera import Camera
+from ...scene.lens import Perspective
 from ...scene.model import Mesh, Scene
 from ...scene.sample_scene import box, default_scene, place
 from ..analytic_depth import cast, room
