@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib.metadata
 import time
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,6 +35,7 @@ from ..scene.model import Scene
 from ..scene.projection import Size
 from .arrays import check_arrays, check_kinds, pixel_size, radius_of, settled_depth
 from .deprecated import drawn_to_budget
+from .frame_report import frame_report
 from .memory import check_room
 from .picture import Picture
 from .readback import read_aov, time_passes
@@ -43,11 +43,6 @@ from .upsampled import needs_upsampling, upsampled
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
-
-
-@functools.cache
-def _version() -> str:
-    return importlib.metadata.version("ssao_gl")  # which reads a file
 
 
 def _current(method: Callable[Concatenate[Renderer, Arguments], Result]) -> Callable[Concatenate[Renderer, Arguments], Result]:
@@ -118,7 +113,7 @@ class Renderer:
         seen_through = made.settings.shading.background_rgba[3] < 1
         arrays = {name: read_aov(drawn, name, alpha=name == "image" and seen_through) for name in aovs}
         self._check("drawing")
-        report = self._report(made.settings, size, frame, time.perf_counter() - started)
+        report = frame_report(self.ctx, made.settings, size, frame, time.perf_counter() - started)
         report |= time_passes(frame, timed, made.view, scene=seen, region=made.region)
         about = {"camera": seen.camera.name or "unnamed", "scene": scene.name, "triangles": scene.triangles}
         return Picture(arrays, report | about)
@@ -242,7 +237,7 @@ class Renderer:
             names = (*aovs, *(("image",) if color is not None else ()))
             arrays = {name: read_aov(drawn, name, alpha=color is not None and color.shape[2] == 4) for name in names}
             self._check("drawing")
-            report = self._report(settings, size, frame, time.perf_counter() - started)
+            report = frame_report(self.ctx, settings, size, frame, time.perf_counter() - started)
             report |= time_passes(frame, timed, view, inputs)
             if guide is not None:
                 needed = {name: read_aov(drawn, name) for name in ("visibility", "depth")}
@@ -285,19 +280,6 @@ class Renderer:
         """Raise ContextError when a software renderer would not get the memory that a plan takes."""
         if self.ctx.software:
             check_room(plan.bytes, plan.frame)
-
-    def _report(self, settings: Settings, size: Size, frame: FrameExecutor, seconds: float) -> dict[str, Any]:
-        return {
-            "version": _version(),
-            "settings": settings.table(),
-            "size": list(size),
-            "provider": self.ctx.provider,
-            "platform": self.ctx.platform,
-            "renderer": self.ctx.renderer,
-            "gl_version": self.ctx.version,
-            "plan": frame.plan.describe().splitlines(),
-            "seconds": seconds,
-        }
 
     def release(self) -> None:
         """Free everything, and the context if the renderer opened it. Calling it twice does no harm."""

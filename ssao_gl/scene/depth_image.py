@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import FormatError, InputWarning, SettingsError
+from ..errors import FormatError, InputWarning, SettingsError, one_line
 from .camera import Camera
 from .depth_noise import denoise_depth
 
@@ -115,7 +115,14 @@ class DepthImage:
 
 def _plane(values: ArrayLike) -> NDArray[Any]:
     """Return depth as (h, w). Raises FormatError."""
-    array: NDArray[Any] = values if isinstance(values, np.ndarray) else np.asarray(values)
+    try:
+        array: NDArray[Any] = values if isinstance(values, np.ndarray) else np.asarray(values)
+    except ValueError as error:
+        raise FormatError(f"depth: expected an array; {one_line(error, 120)}") from None
+    if array.dtype == object:
+        raise FormatError(
+            f"depth is a {type(values).__name__}; expected an array of numbers of shape (h, w), and the camera after it"
+        )
     shape = array.shape
     if len(shape) == 3 and (shape[0] == 1 or shape[2] == 1):
         array = array[..., 0] if shape[2] == 1 else array[0]

@@ -95,7 +95,7 @@ def test_valid_settings_survive_a_round_trip(data: st.DataObject) -> None:
     if made is not None:
         table = as_table(made)
         assert assign(kind(), json.loads(json.dumps(table))) == made
-        texts = {name: str(value) for name, value in table.items() if not isinstance(value, tuple)}
+        texts = {name: str(value) for name, value in table.items() if not isinstance(value, tuple | None)}
         assert as_table(assign(kind(), {**table, **texts})) == table
 
 
@@ -241,6 +241,7 @@ def test_any_camera_file(tmp_path: Path, content: Any) -> None:
         assert load_camera(f"{path}:{number}").name == camera.name or str(number) in [c.name for c in made]
 
 
+@pytest.mark.filterwarnings("ignore::ssao_gl.errors.InputWarning")  # that the first of two is taken
 @given(st.text(PRINTABLE, max_size=12))
 @one_folder
 def test_any_choice_of_a_camera(tmp_path: Path, choice: str) -> None:
