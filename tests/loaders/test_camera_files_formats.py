@@ -248,7 +248,7 @@ def test_what_is_no_camera() -> None:
     with pytest.raises(SettingsError, match="needs an image's size"):
         as_camera(K)
     for source in (3, object(), np.eye(4), (1, 2), (object(), np.eye(4))):
-        with pytest.raises(SettingsError, match="expected a Camera, by Camera.perspective"):
+        with pytest.raises(SettingsError, match=r"expected a Camera, by Camera\.perspective"):
             as_camera(source)
 
 
