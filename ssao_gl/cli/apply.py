@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import FormatError, SettingsError
 from ..io import images
+from ..io.streams import output_suffix
 from ..planner import apply_planned
 from ..render.arrays import check_arrays, radius_of
 from ..render.picture import Picture
@@ -76,9 +77,14 @@ class DepthOptions:
 class AppliedOptions:
     """What is written, and where."""
 
-    output: Annotated[Path, Parameter(name=["--output", "-o"], help="PNG, NPY or EXR file, or a folder for all AOVs.")] = Path(
-        "ssao.png"
-    )
+    output: Annotated[
+        Path,
+        Parameter(
+            name=["--output", "-o"],
+            allow_leading_hyphen=True,
+            help="PNG, NPY or EXR file, - for a PNG on standard output, or a folder for all AOVs.",
+        ),
+    ] = Path("ssao.png")
     aov: Annotated[
         str | None,
         Parameter(
@@ -95,16 +101,16 @@ class AppliedOptions:
     def save(self, picture: Picture, *, colored: bool) -> None:
         """Write what was asked for, and say where it is."""
         aov = self.aov
-        if aov is None and self.output.suffix.lower() == ".png":
+        if aov is None and output_suffix(self.output) == ".png":
             aov = "image" if colored else "visibility"
         paths = picture.save(self.output, aov=aov)
         report = picture.report
         if self.json:
             write_json(self.json, report)
         where, (w, h) = paths[0] if len(paths) == 1 else self.output, report["size"]
-        say(f"{where}: {w}x{h}, {report['settings']['method']}, {report['provider']} ({report['renderer']})", self.json)
+        say(f"{where}: {w}x{h}, {report['settings']['method']}, {report['provider']} ({report['renderer']})")
         if "planned" in report:
-            say(compared(report["planned"]), self.json)
+            say(compared(report["planned"]))
 
 
 def apply(

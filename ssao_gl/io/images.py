@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FormatError
+from ..errors import FormatError, encodable
 from .atomic import atomic_write, why_unreadable
+from .streams import output_suffix, silenced
 
 if TYPE_CHECKING:
     from PIL.PngImagePlugin import PngInfo
@@ -43,7 +44,7 @@ def to_bytes(values: NDArray[Any], bits: int = 8) -> NDArray[Any]:
 def save_image(path: Path | str, array: NDArray[Any], *, texts: Mapping[str, str] | None = None) -> None:
     """Write an array by suffix: PNG (uint8 or uint16, grey, RGB or RGBA), NPY, EXR (float32). Raises FormatError."""
     path = Path(path)
-    suffix = path.suffix.lower()
+    suffix = output_suffix(path)
     if suffix not in SUFFIXES:
         raise FormatError(f"cannot write {path}: suffix '{suffix}'; use one of {', '.join(SUFFIXES)}, or a folder")
     with atomic_write(path) as temporary:
@@ -72,7 +73,7 @@ def png_texts(texts: Mapping[str, str]) -> PngInfo:
 
     info = PngInfo()
     for key, text in texts.items():
-        info.add_text(key, text)
+        info.add_text(key, encodable(text))
     return info
 
 
@@ -163,7 +164,7 @@ def _load_exr(path: Path) -> NDArray[Any]:
         import OpenEXR
     except ImportError:
         raise FormatError("EXR needs the package OpenEXR: pip install 'ssao_gl[exr]'") from None
-    with OpenEXR.File(str(path)) as file:
+    with silenced(), OpenEXR.File(str(path)) as file:
         channels = file.channels()
         for name in ("RGBA", "RGB", "Y", "Z", "V"):
             if name in channels:

@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from ..errors import SceneError, SsaoError, near_miss, one_line
+from ..errors import SceneError, SsaoError, encodable, near_miss, one_line
 from ..io.atomic import why_unreadable
 from ..scene.camera import Camera, Orthographic, Perspective, look_at
 
@@ -71,7 +71,7 @@ def _camera(entry: Any, index: int, path: Path) -> Camera:
         radius = entry.get("ao_radius")
         if radius is not None and not 0 < float(radius) < math.inf:
             raise SceneError(f"{where}: ao_radius={radius} must be above 0 and finite")
-        return Camera(lens, pose, str(entry.get("name", index)), None if radius is None else float(radius))
+        return Camera(lens, pose, encodable(str(entry.get("name", index))), None if radius is None else float(radius))
     except KeyError as error:
         raise SceneError(f"{where}: lacks {error}.{near_miss(error.args[0], entry)}") from None
     except (TypeError, ValueError, OverflowError) as error:
