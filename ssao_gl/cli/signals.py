@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import signal
 import sys
 import threading
@@ -10,12 +11,16 @@ from contextlib import ExitStack, contextmanager
 from types import FrameType
 from typing import Any
 
+from ..io.atomic import replaced
+
 CALLBACKS = "ssao_gl.gl.loader"
 """Module of the functions that OpenGL calls back: ctypes reports what they raise, and goes on."""
 IMPORTING = "<frozen importlib"
 """File of the functions that import: several packages take whatever ends an import of theirs for a package that is missing."""
 LATER = 0.002
 """Seconds until a signal is tried again that came during one of them."""
+CLAIMING = inspect.unwrap(replaced).__code__
+"""Code that makes, moves and removes temporary files."""
 SWALLOWERS = "trimesh"
 """Package whose readers take whatever is raised for a fault of the file, and go on."""
 AGAIN = 0.1
@@ -72,7 +77,7 @@ def _handled(number: signal.Signals, handler: Handler) -> Iterator[None]:
 
         def handle(number: int, frame: FrameType | None) -> None:
             frames = list(_frames(frame))
-            if any(_reported_only(one) for one in frames):
+            if any(one.f_code is CLAIMING or _reported_only(one) for one in frames):
                 _later(number)
                 return
             if any(str(one.f_globals.get("__name__")).split(".")[0] == SWALLOWERS for one in frames):

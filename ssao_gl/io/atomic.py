@@ -59,7 +59,7 @@ def atomic_write(path: Path) -> Iterator[Path]:
     """
     path = Path(path)
     try:
-        with stream_write(path) if is_stream(path) else _replaced(path, followed(path)) as temporary:
+        with stream_write(path) if is_stream(path) else replaced(path, followed(path)) as temporary:
             yield temporary
     except OSError as error:
         if path == STDOUT and isinstance(error, BrokenPipeError):
@@ -79,8 +79,12 @@ def followed(path: Path) -> Path:
 
 
 @contextmanager
-def _replaced(path: Path, target: Path) -> Iterator[Path]:
-    """``path`` is the name by which messages call ``target``."""
+def replaced(path: Path, target: Path) -> Iterator[Path]:
+    """Give a temporary path, moved to ``target`` when the block ends well; messages call that ``path``.
+
+    The command line lets no signal in while this runs, for what is made and not yet noted would stay. Raises OSError,
+    FormatError.
+    """
     temporary, handle = _claim(path, target)
     try:
         yield temporary
