@@ -1,18 +1,25 @@
-"""``ssao-gl`` and ``python -m ssao_gl``: the command line, which may be interrupted while it is still being imported."""
+"""``ssao-gl`` and ``python -m ssao_gl``: the command line, which may be stopped while it is still being imported."""
 
+import os
 import signal
+
+WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
 def main() -> None:
     """Entry point; see :func:`ssao_gl.cli.main`."""
-    heeded = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # a shell's background jobs ignore it
-    if heeded:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # an exception here would show a traceback of half-made modules
+    for number, default in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
+        if signal.getsignal(number) is default:  # a shell's background jobs ignore the first
+            signal.signal(number, _leave_at_once)
     from .cli import main as run
 
-    if heeded:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
     run()
+
+
+def _leave_at_once(number: int, frame: object) -> None:
+    """Before the command begins and after it: an exception would show half-made modules, or be swallowed by one of them."""
+    os.write(2, f"ssao-gl: {WORDS[signal.Signals(number)]}\n".encode())
+    os._exit(128 + number)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ A message says what is wrong, where, what was expected and what to do, on one li
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
@@ -23,6 +24,9 @@ class SsaoError(Exception):
     """Base of all; ``exit_code`` is what the command line ends with."""
 
     exit_code = 2
+
+    def __init__(self, message: object = "") -> None:
+        super().__init__(cut_words(str(message)))
 
 
 class ContextError(SsaoError):
@@ -63,6 +67,16 @@ def one_line(text: object, limit: int = 300) -> str:
     """Return what a file or a library says, fit for a message: one line, printable, at most ``limit`` characters."""
     line = "".join(c if c.isprintable() else "?" for c in " ".join(str(text).split()))
     return line if len(line) <= limit else line[: limit - 4] + " ..."
+
+
+def cut_words(text: str, limit: int = 500) -> str:
+    """Return a message with every word, such as a value or a path, cut in its middle to ``limit`` characters or less."""
+    return re.sub(rf"\S{{{limit + 1},}}", lambda word: f"{word[0][: limit // 2]} ... {word[0][-limit // 4 :]}", text)
+
+
+def encodable(text: str) -> str:
+    """Return a text that any file takes: what is no character (half of a pair, a byte of a name) becomes its escape."""
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def near_miss(name: str, known: Iterable[str], cutoff: float = 0.6) -> str:

@@ -18,7 +18,7 @@ from .help_pages import ALL, COMMANDS, EXAMPLES, HELP_ALL, OF_METHODS
 from .planner import app as planner
 from .tokens import joined_numbers
 
-EXIT_INTERRUPTED = 130
+EXIT_INTERRUPTED, EXIT_TERMINATED = 130, 143
 
 app = App(
     name="ssao-gl",
@@ -63,12 +63,16 @@ def _launch(
     from . import output
 
     output.QUIET.set(quiet)
+    output.TAKEN.set("")
     with output.input_warnings(strict=False):
         return app(tokens, exit_on_error=False, print_error=False) or 0
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Entry point of ``ssao-gl``: exits with 0, 1 (a comparison failed), 2 (bad input), 3 (no OpenGL) or 130 (Ctrl-C)."""
+    """Entry point of ``ssao-gl``.
+
+    Exits with 0, 1 (a comparison failed), 2 (bad input), 3 (no OpenGL), 130 (Ctrl-C) or 143 (SIGTERM).
+    """
     tokens = joined_numbers(sys.argv[1:] if arguments is None else arguments)
     ALL.set(HELP_ALL in tokens)
     if tokens[:1] == ["help"]:
@@ -90,8 +94,9 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:  # the reader went away; there is nobody to tell, now or when Python flushes at its end
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = 0
-    except (Exception, KeyboardInterrupt) as error:
+    except (Exception, KeyboardInterrupt, signals.Terminated) as error:
         code, message = _verdict(error)
+        message = "; ".join([message, *getattr(error, "__notes__", [])])
         if {"-v", "--verbose"} & set(tokens):
             traceback.print_exc()
         # What files and paths hold may try to steer the terminal.
@@ -106,6 +111,8 @@ def _verdict(error: BaseException) -> tuple[int, str]:
             return error.exit_code, str(error)
         case KeyboardInterrupt():
             return EXIT_INTERRUPTED, "interrupted"
+        case signals.Terminated():
+            return EXIT_TERMINATED, "terminated"
         case CycloptsError():
             from .mistakes import explained
 

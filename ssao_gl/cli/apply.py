@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import SettingsError
 from ..io import images
 from ..io.color_files import load_color
+from ..io.streams import output_suffix
 from ..planner import apply_planned
 from ..render.arrays import radius_of
 from ..render.picture import Picture
@@ -34,9 +35,14 @@ TIMED_FRAMES = 5
 class AppliedOptions:
     """What is written, and where."""
 
-    output: Annotated[Path, Parameter(name=["--output", "-o"], help="PNG, NPY or EXR file, or a folder for all AOVs.")] = Path(
-        "ssao.png"
-    )
+    output: Annotated[
+        Path,
+        Parameter(
+            name=["--output", "-o"],
+            allow_leading_hyphen=True,
+            help="PNG, NPY or EXR file, - for a PNG on standard output, or a folder for all AOVs.",
+        ),
+    ] = Path("ssao.png")
     aov: Annotated[
         str | None,
         Parameter(
@@ -53,7 +59,7 @@ class AppliedOptions:
     def save(self, picture: Picture, told: Sequence[str], *, colored: bool) -> None:
         """Write what was asked for, and say where it is."""
         aov = self.aov
-        if aov is None and self.output.suffix.lower() == ".png":
+        if aov is None and output_suffix(self.output) == ".png":
             aov = "image" if colored else "visibility"
         paths = picture.save(self.output, aov=aov)
         report = picture.report
@@ -61,9 +67,9 @@ class AppliedOptions:
             write_json(self.json, {**report, "warnings": [*report.get("warnings", ()), *told]})
         where = paths[0] if len(paths) == 1 else self.output
         h, w = picture.visibility.shape
-        say(f"{where}: {w}x{h}, {report['settings']['method']}, {report['provider']} ({report['renderer']})", self.json)
+        say(f"{where}: {w}x{h}, {report['settings']['method']}, {report['provider']} ({report['renderer']})")
         if "planned" in report:
-            say(compared(report["planned"]), self.json)
+            say(compared(report["planned"]))
 
 
 def apply(

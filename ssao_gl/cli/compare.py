@@ -28,7 +28,10 @@ def compare(
         str, Parameter(help="More numbers, by commas: rmse, psnr (dB), ssim, flip. [default: none]", show_default=False)
     ] = "",
     diff: Annotated[
-        Path | None, Parameter(help="Write actual | expected | difference x 16 to this PNG file. [default: none]")
+        Path | None,
+        Parameter(
+            allow_leading_hyphen=True, help="Write actual | expected | difference x 16 to this PNG file. [default: none]"
+        ),
     ] = None,
 ) -> int:
     """Compare two pictures or arrays.

@@ -14,10 +14,13 @@ from typing import Any, TypeVar
 
 from ..errors import FormatError, InputWarning, SettingsError, near_miss, one_line
 from ..io.atomic import atomic_write, check_writable, is_folder, why_unreadable
+from ..io.streams import STDOUT, is_stream, output_suffix
 from ..render.arrays import MAX_SIDE, pixel_size
 
 Item = TypeVar("Item")
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
+TAKEN: ContextVar[str] = ContextVar("taken", default="")
+"""The option whose output goes to standard output."""
 
 
 @contextmanager
@@ -46,10 +49,20 @@ def input_warnings(*, strict: bool) -> Iterator[list[str]]:
             raise FormatError(f"{one_line(warning)} (--strict)") from None
 
 
-def say(text: str, report: Path | None = None) -> None:
-    """Print a line on standard output, unless ``--quiet``; on standard error when ``report`` (of ``--json``) takes that: ``-``."""
+def say(text: str) -> None:
+    """Write a line to standard output, unless ``--quiet``; to standard error when an output goes there."""
     if not QUIET.get():
-        (sys.stderr if str(report) == "-" else sys.stdout).write(text + "\n")
+        (sys.stderr if TAKEN.get() else sys.stdout).write(text + "\n")
+
+
+def _take(option: str, path: Path) -> None:
+    """Note that an output goes to standard output. Raises SettingsError when another one does, or for another option."""
+    if path != STDOUT and str(path).startswith("-"):  # after a forgotten file name
+        raise SettingsError(f"{option} {path}: must be a file name, or - for standard output")
+    if path == STDOUT:
+        if TAKEN.get():
+            raise SettingsError(f"{TAKEN.get()} and {option}: only one of them can go to standard output")
+        TAKEN.set(option)
 
 
 def print_table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
@@ -84,7 +97,7 @@ def write_json(path: Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
 
 def write_text(path: Path, text: str) -> None:
     """Write a text, whole or not at all; ``-`` is standard output."""
-    if str(path) == "-":
+    if path == STDOUT:
         sys.stdout.write(text)
         return
     with atomic_write(path) as temporary:
@@ -94,7 +107,10 @@ def write_text(path: Path, text: str) -> None:
 def check_output(option: str, path: Path, suffixes: Sequence[str], *, folder: bool = False) -> None:
     """Raise FormatError, before any work is done, when ``path`` cannot be written or has a suffix that is not known."""
     known = ", ".join(suffixes) + (", or a folder" if folder else "")
-    if folder and is_folder(path):
+    _take(option, path)
+    if is_stream(path) and not path.suffix and output_suffix(path) in suffixes:
+        check_writable(path)
+    elif folder and is_folder(path):
         check_writable(path, folder=True)
     elif path.suffix.lower() in suffixes:
         check_writable(path)
@@ -108,10 +124,10 @@ def check_output(option: str, path: Path, suffixes: Sequence[str], *, folder: bo
 
 def check_json(path: Path | None) -> None:
     """Raise FormatError, before any work is done, when a report cannot be written."""
-    if path is not None and str(path) != "-":
-        if str(path).startswith("-"):  # an option, after a forgotten file name
-            raise SettingsError(f"--json {path}: must be a file name, or - to print")
-        check_writable(path)
+    if path is not None:
+        _take("--json", path)
+        if path != STDOUT:
+            check_writable(path)
 
 
 def comma_list(texts: Iterable[str]) -> list[str]:

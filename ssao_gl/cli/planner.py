@@ -94,9 +94,9 @@ def check(
         for scene, camera in file_views(scenes):
             some = outcomes(renderer, scene, camera, pixels)
             found[some[0].view] = some
-            say(view_line(some), json)
+            say(view_line(some))
     for line in check_lines(found):
-        say(line, json)
+        say(line)
     if json:
         write_json(json, [dataclasses.asdict(one) for every in found.values() for one in every])
     return 0

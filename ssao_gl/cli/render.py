@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 import logging
-import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import numpy as np
 from cyclopts import Parameter
 
 from .. import planner
 from ..errors import FormatError, SettingsError
 from ..io import images
-from ..io.atomic import locked_folder, make_folder
+from ..io.streams import output_suffix
 from ..pipeline.outputs import AOVS, aov_names
 from ..pipeline.settings import Settings
 from ..planner import Target
-from ..render.picture import Picture, save_animation
+from ..render.picture import Picture
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.model import Scene
@@ -28,14 +25,15 @@ from ..scene.projection import Size
 from ..scene.screen_bounds import unseen
 from ..tiling.job import Job
 from ..tiling.layout import layout
+from ..tiling.turntable import ANIMATIONS, Turntable, draw_turntable
 from .help_pages import OUTPUT, RARE
 from .options import GlOption, JsonOption, LookOptions, ViewOptions
 from .output import check_json, check_output, input_warnings, progress, say, write_json
 from .plan_options import PlanOptions, compared, drawn_at_once, expected
+from .signals import Terminated
 from .tile_options import TileOption, draw_tiles, rendered_line
 from .tokens import WHOLE
 
-ANIMATIONS = (".gif", ".webp", ".apng")
 TIMED_FRAMES = 5
 
 
@@ -45,7 +43,12 @@ class PictureOptions:
     """What is written, and where."""
 
     output: Annotated[
-        Path, Parameter(name=["--output", "-o"], help="PNG, NPY or EXR file, or a folder for all AOVs as NPY and PNG.")
+        Path,
+        Parameter(
+            name=["--output", "-o"],
+            allow_leading_hyphen=True,
+            help="PNG, NPY or EXR file, - for a PNG on standard output, or a folder for all AOVs as NPY and PNG.",
+        ),
     ] = Path("ssao.png")
     background: Annotated[
         str | None,
@@ -123,7 +126,7 @@ def render(
             job = Job(
                 scene=loaded, camera=camera, size=size, settings=settled, aovs=aovs, layout=cut, output=to.output, bits=to.bits
             )
-            report = draw_tiles(renderer, job, to.json)
+            report = draw_tiles(renderer, job)
         else:
             timed = TIMED_FRAMES if to.json else 0
             picture = planner.render_planned(renderer, loaded, camera, size, target, settings, aovs=aovs, timed=timed)
@@ -144,11 +147,11 @@ def embedded() -> int:
 
 def _aovs(text: str | None, output: Path, turntable: int) -> tuple[str, ...]:
     if text is None:
-        if turntable or output.suffix.lower() == ".png":
+        if turntable or output_suffix(output) == ".png":
             return ("image",)
-        return ("visibility",) if output.suffix.lower() in images.SUFFIXES else ("image", "visibility")
+        return ("visibility",) if output_suffix(output) in images.SUFFIXES else ("image", "visibility")
     aovs = aov_names(text)  # names are checked before anything is drawn
-    if len(aovs) > 1 and output.suffix.lower() in images.SUFFIXES:
+    if len(aovs) > 1 and output_suffix(output) in images.SUFFIXES:
         raise SettingsError(f"-o {output}: one file holds one AOV; give a folder for {', '.join(aovs)}")
     return aovs
 
@@ -158,16 +161,16 @@ def _check_output(output: Path, turntable: int, bits: int) -> None:
         raise SettingsError(f"--bits {bits}: must be 8 or 16")
     if turntable < 0 or turntable > 100_000:
         raise SettingsError(f"--turntable {turntable}: must be 1 to 100000 frames")
-    if turntable and output.suffix.lower() in images.SUFFIXES:
+    if turntable and output_suffix(output) in images.SUFFIXES:
         raise FormatError(f"-o {output}: a turntable goes to a folder or to a {', '.join(ANIMATIONS)} file")
     check_output("-o", output, (*images.SUFFIXES, *(ANIMATIONS if turntable else ())), folder=True)
 
 
 def _save(picture: Picture, to: PictureOptions) -> None:
     aov = next(iter(picture.arrays)) if len(picture.arrays) == 1 else None
-    say(rendered_line(to.output, picture.save(to.output, aov=aov, bits=to.bits), picture.report), to.json)
+    say(rendered_line(to.output, picture.save(to.output, aov=aov, bits=to.bits), picture.report))
     if "planned" in picture.report:
-        say(compared(picture.report["planned"]), to.json)
+        say(compared(picture.report["planned"]))
 
 
 def _turn(
@@ -180,28 +183,12 @@ def _turn(
         choice = planner.plan(renderer, scene, camera, size, target, settings, aovs=aovs)
         settings = choice.settings
         say(expected(choice))
-    frames = (renderer.render(scene, turned, size, settings, aovs=aovs) for turned in orbit(camera, scene, count))
-    shown = progress(frames, "turntable", count)
-    if output.suffix.lower() in ANIMATIONS:
-        save_animation(output, list(shown))
-        say(f"{output}: {count} frames")
-        return settings
-    make_folder(output)
-    with locked_folder(output):
-        for index, picture in enumerate(shown):
-            picture.save(output / (f"{index:04d}.png" if len(aovs) == 1 else f"{index:04d}"))
-    say(f"{output}/: {count} frames")
+    job = Turntable(scene=scene, camera=camera, size=size, settings=settings, aovs=aovs, count=count, output=output)
+    try:
+        before = draw_turntable(renderer, job, lambda indices: progress(indices, "turntable", len(list(indices))))
+    except (KeyboardInterrupt, Terminated) as error:
+        if job.kept.exists():
+            error.add_note("the frames so far are kept; the same command goes on from there")
+        raise
+    say(f"{output}{'' if job.animated else '/'}: {count} frames{f' ({before} from before)' if before else ''}")
     return settings
-
-
-def orbit(camera: Camera, scene: Scene, count: int) -> Iterator[Camera]:
-    """``count`` cameras evenly around the scene's middle, about its up axis, starting with ``camera``."""
-    center, up = scene.bounds.mean(0), np.asarray(scene.up, np.float64)
-    x, y, z = up / np.linalg.norm(up)
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    for index in range(count):
-        angle = 2 * math.pi * index / count
-        turn = np.eye(4)
-        turn[:3, :3] += math.sin(angle) * skew + (1 - math.cos(angle)) * skew @ skew  # Rodrigues
-        turn[:3, 3] = center - turn[:3, :3] @ center
-        yield dataclasses.replace(camera, pose=turn @ camera.pose)

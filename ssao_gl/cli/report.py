@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import shlex
 import sys
 from collections.abc import Iterator, Sequence
@@ -13,7 +12,7 @@ from typing import Annotated, Any
 
 from cyclopts import Group, Parameter
 
-from ..errors import FormatError
+from ..errors import FormatError, encodable
 from ..experiment.culling_rules import MOST_VIEWS
 from ..experiment.culling_savings import FRAMES
 from ..experiment.estimators import ScreenSpace
@@ -30,6 +29,7 @@ from ..truth.settings import NORMALS
 from .help_pages import GATE, OF_TRUTH, OUTPUT, SWEEP
 from .options import GlOption
 from .output import QUIET, comma_list, parse_size, say
+from .signals import Terminated
 from .tokens import WHOLE
 
 Listed = tuple[str, ...]
@@ -195,10 +195,10 @@ def _measured(sweep: Sweep, gl: str, output: Path, cache: Path) -> dict[str, Any
             with _bar() as progress:
                 try:
                     Run(sweep, renderer, journal, output, cache, progress).measure()
-                except KeyboardInterrupt:
-                    logging.getLogger("ssao_gl").warning("finished rows are kept; the same command goes on from there")
+                except (KeyboardInterrupt, Terminated) as error:
+                    error.add_note("finished rows are kept; the same command goes on from there")
                     raise
-            return results(sweep, journal, facts, now(), shlex.join(["ssao-gl", *sys.argv[1:]]))
+            return results(sweep, journal, facts, now(), encodable(shlex.join(["ssao-gl", *sys.argv[1:]])))
 
 
 def _compare(before: dict[str, object], after: dict[str, object], gate: GateOptions) -> int:

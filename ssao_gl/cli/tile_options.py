@@ -13,6 +13,7 @@ from ..render.renderer import Renderer
 from ..tiling.job import Job, draw
 from .help_pages import RARE
 from .output import progress, say
+from .signals import Terminated
 from .tokens import WHOLE
 
 TileOption = Annotated[
@@ -29,18 +30,18 @@ TileOption = Annotated[
 ]
 
 
-def draw_tiles(renderer: Renderer, job: Job, json: Path | None) -> Mapping[str, Any]:
+def draw_tiles(renderer: Renderer, job: Job) -> Mapping[str, Any]:
     """Draw a picture in tiles with a progress bar, and say so. Gives the report."""
     log = logging.getLogger("ssao_gl")
     if job.layout.halo < job.layout.wanted:
         log.warning("tiles: %s", job.layout.describe())
     try:
         paths, report = draw(renderer, job, progress)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, Terminated) as error:
         if job.folder.exists():
-            log.warning("the tiles so far are kept in %s; the same command goes on from there", job.folder)
+            error.add_note(f"the tiles so far are kept in {job.folder}; the same command goes on from there")
         raise
-    say(rendered_line(job.output, paths, report), json)
+    say(rendered_line(job.output, paths, report))
     return report
 
 

@@ -26,6 +26,7 @@ from ..truth.trace import TraceProgress
 from .help_pages import OUTPUT, RAYS
 from .options import ViewOptions
 from .output import QUIET, check_json, check_output, check_radius, say, write_json
+from .signals import Terminated
 from .tokens import WHOLE, parse_share
 
 
@@ -78,6 +79,7 @@ def truth(
         Parameter(
             name=["--output", "-o"],
             group=OUTPUT,
+            allow_leading_hyphen=True,
             help="PNG, NPY or EXR file for visibility, or a folder for visibility, standard error and depth as NPY and PNG.",
         ),
     ] = Path("truth.png"),
@@ -125,7 +127,7 @@ def truth(
     report = {"scene": loaded.name, "camera": camera.name or "unnamed"}
     paths = found.picture(**report).save(output)
     where = str(paths[0]) if len(paths) == 1 else f"{output} ({len(paths)} files)"
-    say(f"{where}: {_summary(loaded, found)}", json)
+    say(f"{where}: {_summary(loaded, found)}")
     if json:
         write_json(json, report | _numbers(loaded, found))
     return 0
@@ -152,9 +154,9 @@ def _traced(scene: Scene, camera: Camera, size: Size, tracing: Tracing, folder: 
     with _bar() as progress:
         try:
             found = trace(scene, camera, size, tracing, cache=folder, progress=progress)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, Terminated) as error:
             if folder is not None:
-                log.warning("what is traced so far is kept; the same command goes on from there")
+                error.add_note("what is traced so far is kept; the same command goes on from there")
             raise
     limit = tracing.max_stderr
     if limit is not None and found.noise > limit:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import SceneError, SettingsError, near_miss
+from ..errors import SceneError, SettingsError, encodable, near_miss
 from ..io.images import SUFFIXES
 from ..loaders.camera_files import load_cameras
 from ..loaders.load import load_scene
@@ -88,7 +88,7 @@ def _names(paths: Sequence[Path]) -> list[str]:
     """Return the file's stem; numbered where two files share it."""
     if not paths:
         return ["embedded"]
-    stems = [path.stem for path in paths]
+    stems = [encodable(path.stem) for path in paths]
     return [stem if stems.count(stem) == 1 else f"{stem}#{stems[: i + 1].count(stem)}" for i, stem in enumerate(stems)]
 
 

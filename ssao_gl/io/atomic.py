@@ -3,6 +3,7 @@
 That name is always the same for an output, and locked while it is written. So a second run that writes the same output at
 the same time is told so; and what a killed process left, whose locks the system has dropped, is taken over and gone after
 the next run. (Where files cannot be locked, as on Windows, each process has a name of its own, and neither is done.)
+A link is followed; devices and pipes are written to as they are (see :mod:`.streams`).
 """
 
 from __future__ import annotations
@@ -13,11 +14,12 @@ import sys
 import tempfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..errors import FormatError
 from .locks import lock
+from .streams import STDOUT, check_stream, is_stream, stream_write
 
 
 def why_unreadable(path: Path, *, empty: bool = False) -> str | None:
@@ -52,24 +54,44 @@ def is_folder(path: Path) -> bool:
 def atomic_write(path: Path) -> Iterator[Path]:
     """Give a temporary path to write to, moved to ``path`` when the block ends well and removed when it does not.
 
-    Raises FormatError, in one line, when the place cannot be written, or another run is at it.
+    Raises FormatError, in one line, when the place cannot be written, or another run is at it; BrokenPipeError when nobody
+    reads standard output any more.
     """
     path = Path(path)
     try:
-        temporary, handle = _claim(path)
-    except OSError as error:
-        raise _refused(path, error) from None
-    try:
-        try:
+        with stream_write(path) if is_stream(path) else replaced(path, followed(path)) as temporary:
             yield temporary
-            temporary.replace(path)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
     except OSError as error:
+        if path == STDOUT and isinstance(error, BrokenPipeError):
+            raise
         raise _refused(path, error) from None
     except (ValueError, struct.error) as error:  # encoders say so that a picture is too large for their format
         raise FormatError(f"cannot write {path}: {error}") from error
+
+
+def followed(path: Path) -> Path:
+    """Return where a link leads, be it there or not; ``path`` itself when it is none. Raises OSError for links in a circle."""
+    if not path.is_symlink():
+        return path
+    with suppress(FileNotFoundError):
+        path.stat()
+    return Path(os.path.realpath(path))
+
+
+@contextmanager
+def replaced(path: Path, target: Path) -> Iterator[Path]:
+    """Give a temporary path, moved to ``target`` when the block ends well; messages call that ``path``.
+
+    The command line lets no signal in while this runs, for what is made and not yet noted would stay. Raises OSError,
+    FormatError.
+    """
+    temporary, handle = _claim(path, target)
+    try:
+        yield temporary
+        temporary.replace(target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
     finally:
         if handle is not None:
             os.close(handle)
@@ -104,12 +126,12 @@ def _temporary(path: Path, mark: str = "") -> Path:
     return path.with_name(f".{name}{mark}.part{path.suffix}")
 
 
-def _claim(path: Path) -> tuple[Path, int | None]:
-    """Return an empty file to write ``path`` to, and the handle by which it is locked until that is closed.
+def _claim(path: Path, target: Path) -> tuple[Path, int | None]:
+    """Return an empty file to write ``target`` to, and the handle by which it is locked until that is closed.
 
     Raises OSError, FormatError.
     """
-    temporary = _temporary(path)
+    temporary = _temporary(target)
     while sys.platform != "win32":
         handle = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         try:
@@ -127,7 +149,7 @@ def _claim(path: Path) -> tuple[Path, int | None]:
             os.close(handle)
             raise
         os.close(handle)  # another run has just moved or removed it
-    temporary = _temporary(path, f".{os.getpid()}")
+    temporary = _temporary(target, f".{os.getpid()}")
     temporary.write_bytes(b"")
     return temporary, None
 
@@ -142,13 +164,17 @@ def _is(held: os.stat_result, place: Path) -> bool:
 
 def check_writable(path: Path, *, folder: bool = False) -> None:
     """Raise FormatError, before any work is done, when a file (or a folder and files in it) cannot be made at ``path``."""
+    if not folder and is_stream(path):
+        check_stream(path)
+        return
     try:
-        path.lstat()
+        target = followed(path)
+        target.lstat()
     except (FileNotFoundError, NotADirectoryError):
         pass
     except (OSError, ValueError) as error:  # ValueError: a null byte
         raise FormatError(f"cannot write {path}: {getattr(error, 'strerror', None) or error}") from None
-    place = path if folder else path.parent
+    place = target if folder else target.parent
     while folder and not place.exists() and place != place.parent:
         place = place.parent
     if not folder and path.is_dir():
@@ -161,7 +187,7 @@ def check_writable(path: Path, *, folder: bool = False) -> None:
         with tempfile.TemporaryFile(dir=place):
             pass
     except OSError as error:
-        raise FormatError(f"cannot write {path}: {error.strerror or error}") from None
+        raise FormatError(f"cannot write {path}: {error.strerror or error} (in the folder {place})") from None
 
 
 def make_folder(path: Path) -> None:

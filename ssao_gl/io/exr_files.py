@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import FormatError
+from .streams import silenced
 
 
 def exr_channels(path: Path, most_pixels: int) -> dict[str, NDArray[Any]]:
@@ -24,7 +21,7 @@ def exr_channels(path: Path, most_pixels: int) -> dict[str, NDArray[Any]]:
         import OpenEXR
     except ImportError:
         raise FormatError("EXR needs the package OpenEXR: pip install 'ssao_gl[exr]'") from None
-    with _library_silenced():
+    with silenced():
         with OpenEXR.File(str(path), separate_channels=True, header_only=True) as file:
             for part in file.parts:
                 for window in ("dataWindow", "displayWindow"):
@@ -52,24 +49,3 @@ def _joined(parts: Any) -> dict[str, NDArray[Any]]:
                 shown[np.ix_(rows[r], columns[c])] = pixels[np.ix_(r, c)]
             found[name if name not in found else f"{part.header.get('name', index)}.{name}"] = shown
     return found
-
-
-@contextmanager
-def _library_silenced() -> Iterator[None]:
-    """Keep what a C library prints about broken files off standard output and error."""
-    kept = []
-    with suppress(OSError, ValueError, AttributeError):
-        sys.stdout.flush()
-        sys.stderr.flush()
-    null = os.open(os.devnull, os.O_WRONLY)
-    try:
-        for number in (1, 2):
-            with suppress(OSError):
-                kept.append((number, os.dup(number)))
-                os.dup2(null, number)
-        yield
-    finally:
-        for number, copy in kept:
-            os.dup2(copy, number)
-            os.close(copy)
-        os.close(null)

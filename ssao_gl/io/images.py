@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FormatError
+from ..errors import FormatError, encodable
 from .atomic import atomic_write, why_unreadable
 from .exr_files import exr_channels
+from .streams import output_suffix
 
 if TYPE_CHECKING:
     from PIL.PngImagePlugin import PngInfo
@@ -44,7 +45,7 @@ def to_bytes(values: NDArray[Any], bits: int = 8) -> NDArray[Any]:
 def save_image(path: Path | str, array: NDArray[Any], *, texts: Mapping[str, str] | None = None) -> None:
     """Write an array by suffix: PNG (uint8 or uint16, grey, RGB or RGBA), NPY, EXR (float32). Raises FormatError."""
     path = Path(path)
-    suffix = path.suffix.lower()
+    suffix = output_suffix(path)
     if suffix not in SUFFIXES:
         raise FormatError(f"cannot write {path}: suffix '{suffix}'; use one of {', '.join(SUFFIXES)}, or a folder")
     with atomic_write(path) as temporary:
@@ -73,7 +74,7 @@ def png_texts(texts: Mapping[str, str]) -> PngInfo:
 
     info = PngInfo()
     for key, text in texts.items():
-        info.add_text(key, text)
+        info.add_text(key, encodable(text))
     return info
 
 

@@ -15,7 +15,7 @@ from types import TracebackType
 from typing import IO, Any
 
 from ..errors import FormatError
-from .atomic import atomic_write, make_folder
+from .atomic import atomic_write, make_folder, why_unreadable
 from .json_values import to_json
 from .locks import lock
 
@@ -56,6 +56,8 @@ class Journal:
         self._rewrite([wanted, *found[1:]])
 
     def _open(self) -> IO[bytes]:
+        if (reason := why_unreadable(self._path, empty=True)) and self._path.exists():  # a pipe may never open
+            raise FormatError(f"cannot write {self._path}: {reason}")
         try:
             file = self._path.open("ab")
         except OSError as error:

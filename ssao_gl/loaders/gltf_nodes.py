@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError, one_line
+from ..errors import SceneError, encodable, one_line
 from ..scene.camera import Camera
 from ..scene.lens import Orthographic, Perspective
 from ..scene.projection import Matrix
@@ -115,7 +115,7 @@ def _instances(document: Document, node: Tree, world: Matrix) -> Matrix:
 def _camera(document: Document, node: Tree, world: Matrix, number: int) -> list[Camera]:
     """The camera, or nothing and a note when it cannot be used: the scene can still be seen without."""
     entry = document.tree["cameras"][index(node["camera"])]
-    name = str(node.get("name") or "") or str(entry.get("name") or f"camera {number}")
+    name = encodable(str(node.get("name") or "") or str(entry.get("name") or f"camera {number}"))
     try:
         lens: Any
         if entry["type"] == "perspective":

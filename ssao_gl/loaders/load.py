@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import SceneError, one_line
+from ..errors import SceneError, encodable, one_line
 from ..io.atomic import why_unreadable
 from ..scene.model import Scene
 from .finished import finished
@@ -67,7 +67,7 @@ def _read(path: Path, up: str, options: ReadOptions, notes: Notes) -> Scene:
     from . import mesh_files
 
     loaded = mesh_files.read(path, options, notes)
-    return finished(loaded.meshes, loaded.cameras, up_direction(up, loaded.kind), path.name, notes)
+    return finished(loaded.meshes, loaded.cameras, up_direction(up, loaded.kind), encodable(path.name), notes)
 
 
 class _quiet(warnings.catch_warnings):

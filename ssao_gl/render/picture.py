@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..errors import FormatError, near_miss, one_line
 from ..io import images
 from ..io.atomic import atomic_write, is_folder, locked_folder, make_folder
+from ..io.streams import output_suffix
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,14 +55,13 @@ class Picture:
         Returns the paths written. Raises FormatError.
         """
         path = Path(path)
-        if path.suffix.lower() in images.SUFFIXES and not is_folder(path):
-            default = "image" if path.suffix.lower() == ".png" else "visibility"
+        suffix = output_suffix(path)
+        if suffix in images.SUFFIXES and not is_folder(path):
+            default = "image" if suffix == ".png" else "visibility"
             name = aov or (default if default in self.arrays else next(iter(self.arrays)))
             if name not in self.arrays:
                 raise FormatError(f"this picture has no '{name}'; it has {', '.join(self.arrays)}")
-            images.save_image(
-                path, self.as_png(name, bits) if path.suffix.lower() == ".png" else self.arrays[name], texts=self.texts
-            )
+            images.save_image(path, self.as_png(name, bits) if suffix == ".png" else self.arrays[name], texts=self.texts)
             return [path]
         if path.suffix and not is_folder(path):
             raise FormatError(f"cannot write {path}: suffix '{path.suffix}'; use {', '.join(images.SUFFIXES)}, or a folder")
@@ -120,16 +120,22 @@ def to_png_array(name: str, array: NDArray[Any], bits: int = 8, span: tuple[floa
 
 
 def save_animation(path: Path, frames: Sequence[Picture], *, seconds: float = 4.0) -> None:
-    """Write frames as an animated GIF, WebP or PNG by suffix (``.gif``, ``.webp``, ``.apng``). Raises FormatError."""
+    """Write the first AOV of each picture as an animation; see :func:`save_frames`."""
+    save_frames(path, [frame.as_png(next(iter(frame.arrays))) for frame in frames], seconds=seconds)
+
+
+def save_frames(path: Path, frames: Sequence[NDArray[Any]], *, seconds: float = 4.0) -> None:
+    """Write frames (h, w) or (h, w, 3 or 4) uint8 as an animated GIF, WebP or PNG by suffix (``.gif``, ``.webp``, ``.apng``).
+
+    Raises FormatError.
+    """
     from PIL import Image
 
     kinds = {".gif": "GIF", ".webp": "WEBP", ".apng": "PNG"}
-    pictures = [Image.fromarray(frame.as_png(next(iter(frame.arrays)))) for frame in frames]
+    first, *rest = map(Image.fromarray, frames)
     step = max(20, round(1000 * seconds / len(frames)))
     with atomic_write(path) as temporary:
-        pictures[0].save(
-            temporary, format=kinds[path.suffix.lower()], save_all=True, append_images=pictures[1:], duration=step, loop=0
-        )
+        first.save(temporary, format=kinds[path.suffix.lower()], save_all=True, append_images=rest, duration=step, loop=0)
 
 
 def metadata_text(report: Mapping[str, Any]) -> dict[str, str]:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import SettingsError, near_miss, one_line
+from ..errors import SettingsError, encodable, near_miss, one_line
 from .lens import (
     ClipRange,
     CropLens,
@@ -158,7 +158,7 @@ class Camera:
             raise SettingsError(f"camera: {one_line(error)}") from None
         if radius is not None and not 0 < radius < math.inf:
             raise SettingsError(f"camera: ao_radius={radius} must be above 0 and finite")
-        return cls(lens, pose, str(table.get("name") or ""), radius)
+        return cls(lens, pose, encodable(str(table.get("name") or "")), radius)
 
 
 @lru_cache(maxsize=64)

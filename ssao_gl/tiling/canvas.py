@@ -7,8 +7,10 @@ where a map ends the process. A small JSON file beside them says how many tiles 
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO
@@ -31,19 +33,20 @@ class TileCanvas:
     """The working folder of a picture of ``size``; ``identity`` is a hash of all that decides its pixels.
 
     ``done`` tiles are there from before when the folder holds that identity; else it is begun anew. Leave it with
-    ``with``: a folder without a single tile is removed. Raises FormatError when the folder cannot be written, or when
-    another process is at work in it.
+    ``with``: a folder without a single tile is removed. ``output`` is what messages name, if not the folder. Raises FormatError when
+    the folder cannot be written, or when another process is at work in it.
     """
 
-    def __init__(self, folder: Path, size: Size, identity: str) -> None:
+    def __init__(self, folder: Path, size: Size, identity: str, output: Path | None = None) -> None:
         self.folder, self.size = folder, size
         self.done = 0
         self.notes: dict[str, Any] = {}
         """What the caller wants to find again, JSON values."""
         self._identity = identity
+        self._named = output or folder
         make_folder(folder)
         self._lock = _locked(folder)
-        state = _read(folder / STATE)
+        state = read_state(folder / STATE)
         names = state.get("arrays", [])
         if state.get("identity") == identity and all(self._whole(name) for name in names):
             self.done, self.notes = state["done"], state["notes"]
@@ -59,7 +62,7 @@ class TileCanvas:
                 self._put(name, inner, array)
         except OSError as error:
             kept = f"; the {self.done} tiles before are kept, and the same command goes on from there" if self.done else ""
-            raise FormatError(f"cannot write {self.folder}: {error.strerror or error}{kept}") from None
+            raise FormatError(f"cannot write {self._named}: {error.strerror or error}{kept}") from None
         self.done += 1
         state = {"identity": self._identity, "arrays": list(arrays), "done": self.done, "notes": self.notes}
         with atomic_write(self.folder / STATE) as temporary:
@@ -131,6 +134,19 @@ class TileCanvas:
         self._lock.close()
 
 
+@contextmanager
+def new_folder(folder: Path) -> Iterator[None]:
+    """Make a folder for outputs, which does not stay when nothing came into it."""
+    new = not folder.exists()
+    make_folder(folder)
+    try:
+        yield
+    finally:
+        if new:
+            with suppress(OSError):
+                folder.rmdir()
+
+
 def _header(file: BinaryIO) -> tuple[tuple[int, ...], np.dtype[Any]]:
     """Shape and type of an NPY file, which is then at its first value."""
     version = np.lib.format.read_magic(file)
@@ -139,11 +155,11 @@ def _header(file: BinaryIO) -> tuple[tuple[int, ...], np.dtype[Any]]:
     return shape, dtype
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_state(path: Path) -> dict[str, Any]:
     """Return what was noted; nothing when that is missing or damaged."""
     try:
         state = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return state if isinstance(state, dict) else {}
 
@@ -151,7 +167,8 @@ def _read(path: Path) -> dict[str, Any]:
 def _locked(folder: Path) -> BinaryIO:
     """Return an open file that this process alone has locked; the lock goes with the process, however it ends."""
     try:
-        file = (folder / LOCK).open("wb")
+        handle = os.open(folder / LOCK, os.O_WRONLY | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+        file = os.fdopen(handle, "wb")
     except OSError as error:
         raise FormatError(f"cannot write {folder}: {error.strerror or error}") from None
     try:

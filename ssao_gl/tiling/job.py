@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,8 +13,8 @@ from numpy.typing import NDArray
 
 from ..errors import FormatError
 from ..io import images
-from ..io.atomic import is_folder, make_folder
-from ..io.fingerprint import add_arrays, add_mesh, code_fingerprint
+from ..io.atomic import followed, is_folder
+from ..io.streams import is_stream, output_suffix, send
 from ..pipeline.build import plan_render
 from ..pipeline.settings import Settings
 from ..render.picture import depth_span, metadata_text, to_png_array
@@ -24,7 +22,8 @@ from ..render.renderer import Renderer
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
-from .canvas import TileCanvas
+from .canvas import TileCanvas, new_folder
+from .identity import picture_identity
 from .layout import Layout, Tile, unguarded
 
 EXR_BYTES = 2 << 30
@@ -58,20 +57,26 @@ class Job:
     @property
     def single(self) -> bool:
         """Whether the output is one file."""
-        return self.output.suffix.lower() in images.SUFFIXES and not is_folder(self.output)
+        return self.suffix in images.SUFFIXES and not is_folder(self.output)
+
+    @property
+    def suffix(self) -> str:
+        """The output's suffix in small letters."""
+        return output_suffix(self.output)
 
     @property
     def folder(self) -> Path:
-        """Where the tiles are kept while it is drawn: beside the output, on the same disk."""
-        return self.output.with_name(f".{self.output.name}.tiles") if self.single else self.output / ".tiles"
+        """Where the tiles are kept while it is drawn: beside the output, on the same disk; of a stream, here."""
+        place = Path(self.output.name) if is_stream(self.output) else followed(self.output)
+        return place.with_name(f".{place.name}.tiles") if self.single else self.output / ".tiles"
 
     def keeps_values(self, aov: str) -> bool:
         """Whether an AOV's own values are kept, and not only what a PNG shows of them."""
-        return not self.single or self.output.suffix.lower() != ".png" or aov == "depth"
+        return not self.single or self.suffix != ".png" or aov == "depth"
 
     def check(self) -> None:
         """Raise FormatError for an EXR file that does not fit into memory."""
-        if self.single and self.output.suffix.lower() == ".exr":
+        if self.single and self.suffix == ".exr":
             need = 4 * self.size[0] * self.size[1] * (1 if self.aovs[0] in ("visibility", "depth") else 3)
             if need > EXR_BYTES:
                 raise FormatError(
@@ -80,18 +85,9 @@ class Job:
                 )
 
     def identity(self, renderer: Renderer) -> str:
-        """Hash of everything that decides the pixels, and what is written of them."""
-        ctx = renderer.ctx
-        facts = [
-            code_fingerprint(), ctx.provider, ctx.renderer, ctx.version, self.size, self.settings.table(), self.aovs,
-            [self.keeps_values(aov) for aov in self.aovs], self.bits, self.layout.table(), self.scene.name, self.camera.name,
-            self.scene.background,
-        ]  # fmt: skip
-        digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
-        add_arrays(digest, (self.camera.lens.matrix(self.size), self.camera.pose))
-        for mesh in self.scene.meshes:
-            add_mesh(digest, mesh, normals=True, colors=True)
-        return digest.hexdigest()
+        """Return the hash of everything that decides the pixels, and what is written of them."""
+        facts = [self.aovs, [self.keeps_values(aov) for aov in self.aovs], self.bits, self.layout.table()]
+        return picture_identity(renderer, self.scene, self.camera, self.size, self.settings, facts)
 
 
 def draw(renderer: Renderer, job: Job, track: Track = untracked) -> tuple[list[Path], dict[str, Any]]:
@@ -102,7 +98,10 @@ def draw(renderer: Renderer, job: Job, track: Track = untracked) -> tuple[list[P
     passes. Raises FormatError when the files cannot be written, ContextError when the driver cannot draw.
     """
     job.check()
-    with _folder(job), TileCanvas(job.folder, job.size, job.identity(renderer)) as mosaic:
+    with (
+        nullcontext() if job.single else new_folder(job.output),
+        TileCanvas(job.folder, job.size, job.identity(renderer)) as mosaic,
+    ):
         before = mosaic.done
         rest = job.layout.tiles()[before:]
         for tile in track(rest, "tiles", len(rest)):
@@ -111,20 +110,6 @@ def draw(renderer: Renderer, job: Job, track: Track = untracked) -> tuple[list[P
         paths = _publish(job, mosaic, metadata_text(report), track)
         mosaic.remove()
     return paths, report
-
-
-@contextmanager
-def _folder(job: Job) -> Iterator[None]:
-    """Make the output's folder, which does not stay when nothing came into it."""
-    new = not job.single and not job.output.exists()
-    if not job.single:
-        make_folder(job.output)
-    try:
-        yield
-    finally:
-        if new:
-            with suppress(OSError):
-                job.output.rmdir()
 
 
 def _draw_tile(renderer: Renderer, job: Job, mosaic: TileCanvas, tile: Tile) -> None:
@@ -148,7 +133,7 @@ def _draw_tile(renderer: Renderer, job: Job, mosaic: TileCanvas, tile: Tile) -> 
 
 def _publish(job: Job, mosaic: TileCanvas, notes: dict[str, str], track: Track) -> list[Path]:
     """Put the finished arrays into the files that are wanted; NPY files last, since they are the arrays themselves."""
-    suffixes = [job.output.suffix.lower()] if job.single else [".png", ".npy"]
+    suffixes = [job.suffix] if job.single else [".png", ".npy"]
     paths = []
     for suffix in suffixes:
         for aov in job.aovs:
@@ -190,6 +175,11 @@ def _span(mosaic: TileCanvas, aov: str) -> tuple[float, float] | None:
 
 def _move(source: Path, path: Path) -> None:
     try:
-        source.replace(path)
+        if is_stream(path):
+            send(source, path)
+        else:
+            source.replace(followed(path))
+    except BrokenPipeError:
+        raise
     except OSError as error:
         raise FormatError(f"cannot write {path}: {error.strerror or error}") from None

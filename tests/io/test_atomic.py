@@ -45,11 +45,19 @@ def test_rights_are_those_of_any_new_file(tmp_path: Path) -> None:
     assert (tmp_path / "a.png").stat().st_mode == (tmp_path / "b").stat().st_mode
 
 
-def test_a_link_is_replaced_and_not_followed(tmp_path: Path) -> None:
-    (tmp_path / "far").write_bytes(b"far")
-    (tmp_path / "a.png").symlink_to("far")
-    write(tmp_path / "a.png", b"x")
-    assert (tmp_path / "far").read_bytes() == b"far" and not (tmp_path / "a.png").is_symlink()
+def test_a_link_is_followed(tmp_path: Path) -> None:
+    (tmp_path / "far").mkdir()
+    for name in ("there.png", "new.png"):
+        (tmp_path / name).symlink_to(f"far/{name}")
+    (tmp_path / "far" / "there.png").write_bytes(b"older")
+    for name in ("there.png", "new.png"):
+        write(tmp_path / name, b"x")
+        assert (tmp_path / "far" / name).read_bytes() == b"x" and (tmp_path / name).is_symlink()
+    assert len(list(tmp_path.rglob("*"))) == 5, "nothing else stays"
+    (tmp_path / "circle.png").symlink_to("circle.png")
+    with pytest.raises(FormatError, match="symbolic links"):
+        write(tmp_path / "circle.png", b"x")
+    assert (tmp_path / "circle.png").is_symlink()
 
 
 HALF = """

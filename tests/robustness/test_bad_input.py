@@ -360,7 +360,7 @@ def heed_ctrl_c() -> None:
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 @pytest.mark.parametrize("output", ["frames", "a.gif"])
 def test_interrupted(number: int, code: int, output: str, folder: Path) -> None:
-    """A turntable is stopped: whole files or none."""
+    """A turntable is stopped: whole files or none, and what the same command goes on from."""
     running = command("render", "--turntable", 2000, "--size", "64x48", "-o", folder / output)
     started = time.perf_counter()
     while output == "frames" and not list(folder.glob("frames/*.png")) and time.perf_counter() - started < 30:
@@ -372,9 +372,11 @@ def test_interrupted(number: int, code: int, output: str, folder: Path) -> None:
     assert "Traceback" not in err
     from PIL import Image
 
-    for path in folder.rglob("*.*"):
+    kept = {folder / "frames" / ".turntable.json", folder / ".a.gif.tiles", *folder.glob(".a.gif.tiles/*")}
+    for path in set(folder.rglob("*.*")) - kept:
         assert not path.name.startswith(".")
         Image.open(path).load()
+    assert err.count("\n") == 1 and (not kept & set(folder.rglob("*")) or "the same command goes on from there" in err)
 
 
 @pytest.mark.gl
