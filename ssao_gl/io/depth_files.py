@@ -152,7 +152,9 @@ def _only(names: Sequence[str], path: Path) -> str:
     """Return the only name. Raises FormatError."""
     if len(names) == 1:
         return names[0]
-    shown = one_line(", ".join(names)) or "none"
+    if not names:
+        raise FormatError(f"{path}: holds no channel that can be read; it is damaged, or empty")
+    shown = one_line(", ".join(names))
     raise FormatError(f"{path}: none of its channels is known as depth ({shown}); name one: --depth-channel NAME")
 
 
