@@ -19,6 +19,7 @@ from ssao_gl.graph.draws import Fullscreen, ViewValue
 from ssao_gl.graph.frame_graph import compile
 from ssao_gl.graph.plan import Plan
 from ssao_gl.graph.plan_json import plan_from_json, plan_to_json
+from ssao_gl.graph.regions import DrawRegion
 from ssao_gl.pipeline.frame_setup import frame_setup
 
 from .. import shapes
@@ -77,6 +78,19 @@ def test_additive_blending_sums_up(resources: GpuResources) -> None:
     more = Fullscreen(shader("fill"), uniforms={"u_value": 0.25})
     second = Pass("second", "prepare", more, {"b": Texture("rgba16f")}, over={"b": "a"}, blend="add")
     assert np.unique(drawn(resources, compile([first, second], SIZE, ["b"]))[0]).tolist() == [1.25]
+
+
+def test_beside_the_region_a_pass_leaves_what_it_says(resources: GpuResources) -> None:
+    """There it draws nothing, of a full target or a smaller one."""
+    for scale in (1, 2):
+        draw = Fullscreen(shader("fill"), uniforms={"u_value": 1.0})
+        plan = compile([Pass("fill", "prepare", draw, {"a": Texture("rgba16f", 1 / scale)}, clear=(0.25,) * 4)], SIZE, ["a"])
+        executor = FrameExecutor(resources, plan)
+        found = executor.run(VIEW, region=DrawRegion(scene_rect=(8, 4, 16, 12))).read("a")[..., 0]
+        expected = np.full_like(found, 0.25)
+        expected[4 // scale : 16 // scale, 8 // scale : 24 // scale] = 1
+        assert np.array_equal(found, expected)
+        executor.release()
 
 
 def test_integers_are_drawn_and_read(resources: GpuResources) -> None:

@@ -8,22 +8,14 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.gl.executor import FrameExecutor, SceneView
-from ssao_gl.gl.programs import GpuResources
-from ssao_gl.gl.scene_buffers import SceneBuffers
-from ssao_gl.graph.declare import Pass, Texture
-from ssao_gl.graph.draws import Fullscreen
-from ssao_gl.graph.frame_graph import compile
-from ssao_gl.graph.names import DEPTH, DEPTH_SMALL, NORMAL, NORMAL_SMALL, VISIBILITY_RAW
+from ssao_gl.graph.names import NORMAL, NORMAL_SMALL, VISIBILITY_RAW
 from ssao_gl.passes.denoise import FILTERS, FilterJob, gaussian, matched
-from ssao_gl.passes.gbuffer import gbuffer
-from ssao_gl.passes.resolution import EDGE, downsample
-from ssao_gl.scene.model import Mesh, Scene
-from ssao_gl.scene.projection import ViewConstants
-from ssao_gl.scene.sample_scene import sphere
+from ssao_gl.passes.resolution import EDGE
+from ssao_gl.scene.model import Scene
 
 from ..conftest import openable
 from ..shapes import camera, quad
+from .noise import AWAY, LENSES, SMALL, ball, decoded, noise_through, points, tolerance, unpacked, visibility
 
 SIZE = (160, 120)
 
@@ -38,13 +30,15 @@ def both(renderer: ao.Renderer, scene: Scene, cam: ao.Camera, blur: object) -> t
     return raw.visibility, filtered.visibility, raw.depth
 
 
-def bilateral(v: np.ndarray, depth: np.ndarray, blur: ao.LectureBlur) -> np.ndarray:
-    """The lecture's formula in float64, background left out."""
+def bilateral(
+    v: np.ndarray, depth: np.ndarray, blur: ao.LectureBlur | ao.Separable, axes: tuple[int, int] = (1, 1)
+) -> np.ndarray:
+    """The lecture's formula in float64, background left out; over a square, or along one axis (x, y)."""
     h, w = v.shape
     total, norm = np.zeros_like(v, np.float64), np.zeros_like(v, np.float64)
     g = gaussian(blur.radius, blur.sigma_space).astype(np.float64)
-    for dy in range(-blur.radius, blur.radius + 1):
-        for dx in range(-blur.radius, blur.radius + 1):
+    for dy in range(-blur.radius * axes[1], blur.radius * axes[1] + 1):
+        for dx in range(-blur.radius * axes[0], blur.radius * axes[0] + 1):
             y, x = np.clip(np.arange(h) + dy, 0, h - 1), np.clip(np.arange(w) + dx, 0, w - 1)
             q, z = v[y][:, x], depth[y][:, x]
             weight = g[abs(dx)] * g[abs(dy)] * np.exp(-0.5 * ((q - v) / blur.sigma_range) ** 2) * (z > 0)
@@ -58,6 +52,14 @@ def test_the_lecture_filter_is_its_formula(renderer: ao.Renderer, embedded: Scen
     raw, filtered, depth = both(renderer, embedded, embedded.cameras[0], blur)
     expected = bilateral(np.round(raw * 255) / 255, depth, blur)
     assert np.abs(filtered - expected).max() <= 1.01 / 255
+
+
+def test_separable_is_its_formula_along_either_axis(renderer: ao.Renderer, embedded: Scene) -> None:
+    blur = ao.Separable(radius=3)
+    raw, filtered, depth = both(renderer, embedded, embedded.cameras[0], blur)
+    along_x = np.round(bilateral(np.round(raw * 255) / 255, depth, blur, (1, 0)) * 255) / 255
+    assert np.abs(filtered - bilateral(along_x, depth, blur, (0, 1))).max() <= 2.01 / 255  # where a half is rounded otherwise
+    assert np.abs(filtered - bilateral(along_x, depth, blur, (0, 1))).mean() <= 0.3 / 255
 
 
 def test_separable_is_close_to_the_full_filter(renderer: ao.Renderer, embedded: Scene) -> None:
@@ -130,53 +132,6 @@ def test_radius_1_and_wide_filters_compile(renderer: ao.Renderer, embedded: Scen
         assert np.isfinite(filtered).all()
 
 
-def off_centre(lens: ao.Camera, away: float = 0.0) -> ao.Camera:
-    """Rays of sight that do not run along the axis, also where they are parallel; what is on it, so far away, stays in the middle."""
-    matrix = lens.lens.matrix(SMALL).copy()
-    matrix[:2, 2] += [0.06, -0.05]
-    matrix[:2, 3] += np.multiply([0.06, -0.05], away)
-    return ao.Camera.from_matrix(matrix)
-
-
-SMALL = (96, 72)
-AWAY = 20.0
-LENSES = {
-    "perspective": ao.Camera.perspective(0.9, 0.1, 500.0),
-    "wide": ao.Camera.perspective(2.0, 0.1, 500.0),
-    "parallel": ao.Camera.orthographic(4.0, 0.0, 500.0),
-    "oblique": off_centre(ao.Camera.orthographic(4.0, 0.0, 500.0), AWAY),
-    "off-centre": off_centre(ao.Camera.perspective(0.9, 0.1, 500.0)),
-}
-NOISE = f"{__name__.rpartition('.')[0]}.shaders:tile_noise.frag"
-
-
-def noise_filtered(provider: str, scene: Scene, cam: ao.Camera, scale: int) -> tuple[np.ndarray, ...]:
-    """Of each texel (row 0 at the bottom): a noise of tiles of 4x4 texels after the joint filter and before, depth, normal."""
-    depth, normal = (DEPTH, NORMAL) if scale == 1 else (DEPTH_SMALL, NORMAL_SMALL)
-    smaller = [] if scale == 1 else [downsample(scale, open_blocks=False)]
-    draw = Fullscreen(NOISE, {"u_z": depth}, defines={"PACKED": 1})
-    noise = Pass("noise", "occlusion", draw, {VISIBILITY_RAW: Texture("r32f", 1 / scale)})
-    job = FilterJob(tile=4, scale=scale)
-    passes = [gbuffer((1.0, 1, 1), geometric=True), *smaller, noise, *ao.Joint().passes(job)]
-    plan = compile(passes, SMALL, [job.result, VISIBILITY_RAW, normal])
-    with ao.gl.open(provider) as ctx:
-        resources = GpuResources(ctx)
-        buffers, executor = SceneBuffers(resources, scene), FrameExecutor(resources, plan)
-        frame = executor.run(cam.view(SMALL), scene=SceneView(buffers, cam), checked=True)
-        found, packed, encoded = (frame.read(name) for name in (job.result, VISIBILITY_RAW, normal))
-    raw, z = unpacked(packed[..., 0])
-    n = encoded[..., :2].astype(np.float64)
-    f = (n**2).sum(-1, keepdims=True)
-    n = np.concatenate([n * np.sqrt(1 - f / 4), 1 - f / 2], -1)
-    return found[..., 0] / 255 if found.dtype == np.uint8 else unpacked(found[..., 0])[0], raw, z, n
-
-
-def unpacked(texels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Visibility and depth, as ``lib/output.glsl`` packs them."""
-    bits = np.ascontiguousarray(texels, np.float32).view(np.uint32)
-    return (bits & 0xFF) / 255, (bits & 0xFFFFFF00).view(np.float32).astype(np.float64)
-
-
 def smooth(z: np.ndarray, edge: np.ndarray) -> np.ndarray:
     """Which texels have a surface and no edge of depth in the square that the filter reaches, and one texel more."""
     flat = z > 0
@@ -199,7 +154,7 @@ def test_joint_removes_the_noise_of_its_tile_from_any_plane(lens: str, tilt: flo
     for turn in (0.0, 0.7, 1.6):
         spin = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
         u, v = spin @ [19, 0, 0], spin @ [0, 19 * np.cos(tilt), 19 * np.sin(tilt)]
-        found, _, z, _ = noise_filtered(openable()[0], Scene([quad((0, 0, -AWAY), tuple(u), tuple(v))]), LENSES[lens], scale)
+        found, _, z, _ = filtered(lens, Scene([quad((0, 0, -AWAY), tuple(u), tuple(v))]), scale)
         # Where depth is steeper, downsampling takes pixels in turns.
         edge = (0.9 * EDGE * scale / (scale - 1) if scale > 1 else 1e3) * view.pixel
         there = smooth(z, edge * (view.w1 * z + view.w0))
@@ -207,22 +162,23 @@ def test_joint_removes_the_noise_of_its_tile_from_any_plane(lens: str, tilt: flo
         assert np.abs(found[there] - 0.5).max() <= 1.5 / 255 + 1e-6, turn
 
 
-def joint(v: np.ndarray, z: np.ndarray, n: np.ndarray, view: ViewConstants, scale: int, axis: int) -> np.ndarray:
+def joint(v: np.ndarray, z: np.ndarray, n: np.ndarray, cam: ao.Camera, scale: int, axis: int) -> np.ndarray:
     """One axis of the filter from its definition: a tap weighs by its distance from the pixel's tangent plane."""
-    h, w = z.shape
-    c = view.constants
-    uv = np.stack(np.meshgrid((np.arange(w) * scale + 0.5) / SMALL[0], (np.arange(h) * scale + 0.5) / SMALL[1]), -1)
-    ray, org = (np.reshape(c[name], (2, 2)) for name in ("u_ray", "u_org"))
-    xy = (uv @ ray + c["u_ray0"]) * z[..., None] + uv @ org + c["u_org0"]
-    points = np.concatenate([xy, -z[..., None]], -1)
-    size = ao.Joint().tolerance * scale * view.pixel * np.maximum(view.w1 * z + view.w0, 1e-30)
+    places, size = points(z, cam, scale), tolerance(z, cam, ao.Joint().tolerance, scale)
     total, norm = v.copy(), np.ones_like(v)
     for i in (-2, -1, 1, 2):
-        q, tap, there = (np.roll(a, -i, 1 - axis) for a in (points, v, z > 0))
-        off = np.abs((n * (q - points)).sum(-1)) / size
-        weight = matched(2)[abs(i)] * np.clip(2 - off, 0, 1) * there
+        q, tap, there = (np.roll(a, -i, 1 - axis) for a in (places, v, z > 0))
+        weight = matched(2)[abs(i)] * np.clip(2 - np.abs((n * (q - places)).sum(-1)) / size, 0, 1) * there
         total, norm = total + weight * tap, norm + weight
     return np.round(total / norm * 255) / 255
+
+
+def filtered(lens: str, scene: Scene, scale: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Of each texel: a noise after the joint filter and before, depth, normal."""
+    job = FilterJob(tile=4, scale=scale)
+    seen = noise_through(openable()[0], ao.Joint().passes(job), [job.result], scene, LENSES[lens], scale)
+    raw, z = unpacked(seen[VISIBILITY_RAW][..., 0])
+    return visibility(seen[job.result]), raw, z, decoded(seen[NORMAL if scale == 1 else NORMAL_SMALL])
 
 
 @pytest.mark.gl
@@ -230,13 +186,8 @@ def joint(v: np.ndarray, z: np.ndarray, n: np.ndarray, view: ViewConstants, scal
 @pytest.mark.parametrize("lens", LENSES)
 def test_joint_is_its_formula(lens: str, scale: int) -> None:
     """On a ball, whose taps lie off the tangent plane by more and less than the tolerance."""
-    view = LENSES[lens].view(SMALL)
-    near = {"wide": 1.3}.get(lens, 2.9 if lens in ("perspective", "off-centre") else AWAY)
-    size = 1.7 if lens in ("parallel", "oblique") else 1.0
-    positions, triangles, _ = sphere(64)
-    ball = Mesh((positions * size - [0, 0, near]).astype(np.float32), triangles)
-    found, raw, z, n = noise_filtered(openable()[0], Scene([ball]), LENSES[lens], scale)
-    expected = joint(joint(raw, z, n, view, scale, 0), z, n, view, scale, 1)
+    found, raw, z, n = filtered(lens, ball(lens), scale)
+    expected = joint(joint(raw, z, n, LENSES[lens], scale, 0), z, n, LENSES[lens], scale, 1)
     inner = z > 0
     inner[:2] = inner[-2:] = inner[:, :2] = inner[:, -2:] = False
     assert inner.sum() > 100 / scale and np.abs(found - 0.5)[inner].max() > 0.05, "the tolerance was felt"

@@ -224,6 +224,24 @@ def test_the_target_gets_what_is_returned(context: Context, effect: ao.Effect) -
         made.release()
 
 
+def test_a_target_of_srgb_gets_the_same_bytes(context: Context, effect: ao.Effect) -> None:
+    """They are sRGB already, also where desktop OpenGL would convert what is drawn."""
+    if context.api == "es":
+        return  # OpenGL ES always converts into such a target
+    color, depth = color_texture(context), depth_texture(context, window_depth(CAMERA, eye_depth(CAMERA)))
+    target = context.mgl.framebuffer([context.mgl.texture(SIZE, 4, internal_format=0x8C43)])  # SRGB8_ALPHA8
+    gl, SRGB = context.functions, 0x8DB9
+    gl("glEnable", None, U)(SRGB)
+    returned = effect.apply(depth=depth, camera=CAMERA, color=color, target=target)
+    assert gl("glIsEnabled", ctypes.c_ubyte, U)(SRGB)
+    gl("glDisable", None, U)(SRGB)
+    drawn = np.frombuffer(target.color_attachments[0].read(), np.uint8).reshape(SIZE[1], SIZE[0], 4)[::-1]
+    assert (drawn == pixels(context, returned)).all()
+    delete(context, "Textures", depth)
+    for made in (*target.color_attachments, target, color):
+        made.release()
+
+
 def test_only_the_first_of_the_targets_attachments_is_drawn(context: Context, effect: ao.Effect) -> None:
     depth = depth_texture(context, window_depth(CAMERA, eye_depth(CAMERA)))
     mine = context.mgl.framebuffer([context.mgl.texture(SIZE, 4) for _ in range(2)])
@@ -348,6 +366,11 @@ def test_odd_state_changes_nothing_and_is_not_changed(context: Context, given: t
     assert ctx.mgl.fbo is record and ctx.mgl.error == "GL_NO_ERROR"
     neutral(ctx)
     assert (pixels(ctx, result) == calm).all()
+    if target is not None:
+        shown = np.zeros((SIZE[1], SIZE[0], 4), np.uint8)
+        ctx.functions("glBindFramebuffer", None, U, U)(FRAMEBUFFER, target)
+        ctx.functions("glReadPixels", None, I, I, I, I, U, U, P)(0, 0, *SIZE, 0x1908, 0x1401, shown.ctypes.data)
+        assert (shown[::-1] == calm).all(), "the target too, whatever the caller's masks"
     disturb(ctx)
     odd = everything(ctx)
     effect.release()

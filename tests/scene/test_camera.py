@@ -37,6 +37,9 @@ LENSES = {
     "oblique parallel": Camera.from_matrix(
         np.array([[0.5, 0, 0.2, 0.1], [0, 0.7, -0.1, 0], [0, 0, -0.04, -1.0], [0, 0, 0, 1.0]])
     ),
+    "oblique near plane": Camera.from_matrix(
+        np.array([[1.5, 0, 0.1, 0], [0, 2.0, -0.2, 0], [0.05, -0.08, -1.0, -0.2], [0, 0, -1.0, 0]])
+    ),
 }
 
 
@@ -149,3 +152,24 @@ def test_look_at_is_a_rotation_that_looks_at_its_target(eye: tuple[float, ...], 
 def test_unusable_cameras_say_so(make: object) -> None:
     with pytest.raises(SettingsError, match="camera"):
         make()  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1.0, 1e6, 1e12])
+def test_look_at_asks_for_directions_and_not_for_lengths(size: float) -> None:
+    pose = look_at(np.multiply(size, (3, 4, 5)), (0, 0, 0), (0, 1 / size, 0))
+    np.testing.assert_allclose(pose[:3, :3], look_at((3, 4, 5), (0, 0, 0))[:3, :3], atol=1e-12)
+    with pytest.raises(SettingsError, match="up is parallel"):
+        look_at((0, size, 0), (0, 0, 0), (0, 1 / size, 0))
+
+
+def test_the_rays_of_a_pinhole_meet_in_the_eye() -> None:
+    """Shaders leave out what only other projections need."""
+    for name, camera in LENSES.items():
+        view = camera.view(SIZE)
+        eye = view.points(np.full(SIZE[::-1], 1e-9))
+        assert view.pinhole == (np.abs(eye).max() < 1e-6), name
+    for row in (0, 1):
+        matrix = LENSES["perspective"].lens.matrix(SIZE).copy()
+        matrix[row, 3] = 0.3
+        assert not Camera.from_matrix(matrix).view(SIZE).pinhole
+    assert {name for name, camera in LENSES.items() if not camera.view(SIZE).pinhole} == {"orthographic", "oblique parallel"}
