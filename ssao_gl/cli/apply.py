@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import SettingsError
 from ..io import images
+from ..io.atomic import is_folder
 from ..io.color_files import load_color
 from ..io.streams import output_suffix
 from ..planner import apply_planned
@@ -104,6 +105,7 @@ def apply(
         with Renderer(gl) as renderer:
             picture = apply_planned(
                 renderer, seen, camera, target, settings, color=picked, normals=normal, aovs=aovs,
+                visibility_bits=8 if output_suffix(to.output) == ".png" and not is_folder(to.output) else 16,
                 timed=TIMED_FRAMES if to.json else 0,
             )  # fmt: skip
     to.save(picture, told, colored=color is not None)

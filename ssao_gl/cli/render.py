@@ -13,6 +13,7 @@ from cyclopts import Parameter
 from .. import planner
 from ..errors import FormatError, SettingsError
 from ..io import images
+from ..io.atomic import is_folder
 from ..io.streams import output_suffix
 from ..pipeline.outputs import AOVS, aov_names
 from ..pipeline.settings import Settings
@@ -80,6 +81,11 @@ class PictureOptions:
         shading = dataclasses.replace(settings.shading, background=self.background)
         return dataclasses.replace(settings, shading=shading)
 
+    @property
+    def visibility_bits(self) -> int:
+        """Bits that the visibility of one picture ends in: more for arrays than for PNG files."""
+        return self.bits if output_suffix(self.output) == ".png" and not is_folder(self.output) else 16
+
     def aovs(self) -> tuple[str, ...]:
         """Return what is written. Raises SettingsError, FormatError for what cannot be, before anything is drawn."""
         aovs = _aovs(self.aov, self.output, self.turntable)
@@ -129,7 +135,10 @@ def render(
             report = draw_tiles(renderer, job)
         else:
             timed = TIMED_FRAMES if to.json else 0
-            picture = planner.render_planned(renderer, loaded, camera, size, target, settings, aovs=aovs, timed=timed)
+            picture = planner.render_planned(
+                renderer, loaded, camera, size, target, settings,
+                aovs=aovs, timed=timed, visibility_bits=to.visibility_bits,
+            )  # fmt: skip
             report = dict(picture.report)
     if cut is None:
         _save(picture, to)

@@ -55,7 +55,7 @@ def without_noise(setup: ViewSetup, settings: Settings) -> F32:
     for dx, dy in itertools.product(range(min(TILE, w)), range(min(TILE, h))):
         moved = dataclasses.replace(setup, camera=shifted(setup.camera, setup.size, dx, dy), progress=None)
         drawn = moved.renderer.render(
-            moved.scene, moved.camera, moved.size, setup.settled(settings), aovs=("visibility",)
+            moved.scene, moved.camera, moved.size, setup.settled(settings), aovs=("visibility",), visibility_bits=8
         ).visibility
         total[dy:, : w - dx] += drawn[: h - dy, dx:]
         count[dy:, : w - dx] += 1

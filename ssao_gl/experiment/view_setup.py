@@ -82,7 +82,9 @@ class ViewSetup:
 
     def draw(self, settings: Settings) -> F32:
         """Visibility (h, w)."""
-        return self.renderer.render(self.scene, self.camera, self.size, self.settled(settings), aovs=("visibility",)).visibility
+        return self.renderer.render(
+            self.scene, self.camera, self.size, self.settled(settings), aovs=("visibility",), visibility_bits=8
+        ).visibility
 
     def time(self, settings: Settings) -> Sequence[PassTime]:
         """Milliseconds of each pass of one frame."""

@@ -19,7 +19,7 @@ from ..io.images import flipped
 from .context import Context
 
 FORMATS: Mapping[str, tuple[int, str]] = {
-    "r8": (1, "f1"), "rgba8": (4, "f1"), "rg16f": (2, "f2"), "rgba16f": (4, "f2"), "r32f": (1, "f4"), "rgba32f": (4, "f4"),
+    "r8": (1, "f1"), "rgba8": (4, "f1"), "r16f": (1, "f2"), "rg16f": (2, "f2"), "rgba16f": (4, "f2"), "r32f": (1, "f4"), "rgba32f": (4, "f4"),
     "r32ui": (1, "u4"), "rgba32ui": (4, "u4"),
 }  # fmt: skip
 """Texture formats of the graph: components and moderngl's dtype. All can be drawn into on OpenGL ES 3 and WebGL2."""

@@ -9,7 +9,7 @@ from typing import Literal
 from .draws import Draw
 
 BYTES = {
-    "r8": 1, "rgba8": 4, "rg16f": 4, "rgba16f": 8, "r32f": 4, "rgba32f": 16, "r32ui": 4, "rgba32ui": 16, "depth24": 4,
+    "r8": 1, "rgba8": 4, "r16f": 2, "rg16f": 4, "rgba16f": 8, "r32f": 4, "rgba32f": 16, "r32ui": 4, "rgba32ui": 16, "depth24": 4,
 }  # fmt: skip
 """Bytes a texel of each format; ``depth24`` is a depth buffer, which passes are tested against but never sample."""
 

@@ -23,6 +23,7 @@ from ..graph.names import (
     VISIBILITY,
     VISIBILITY_RAW,
     VISIBILITY_UNSHADED,
+    VISIBILITY_UPSAMPLED,
 )  # fmt: skip
 from ..graph.plan import Plan
 from ..methods.traits import CAMERAS
@@ -42,9 +43,16 @@ WHITE = (1.0, 1.0, 1.0)
 """Base colour where there is no surface."""
 WINDOW_DEPTH, EYE_DEPTH = "window", "eye"
 
+FINAL = (VISIBILITY, VISIBILITY_UPSAMPLED, VISIBILITY_UNSHADED)
+"""Resources that hold the visibility of a frame at its end, one after the other in one texture."""
 
-def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",), *, triangles: int | None = None) -> Plan:
+
+def plan_render(
+    settings: Settings, size: Size, aovs: Sequence[str] = ("image",), *, triangles: int | None = None, fine: bool = False
+) -> Plan:
     """Return the plan that draws a scene. ``triangles``: how many it has, if it surrounds the camera; None if not.
+
+    ``fine``: visibility ends in half floats, for arrays, and not in the 8 bits of pictures.
 
     Raises SettingsError when the method's radius is not settled, or cannot give what is asked for.
     """
@@ -57,7 +65,7 @@ def plan_render(settings: Settings, size: Size, aovs: Sequence[str] = ("image",)
         *_visibility(settings, culling, bent=bent),
         composite(settings.shading.ambient, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
     ]
-    return compile(_at(settings.precision, passes), size, aov_resources(aovs), notes=_notes(settings, culling))
+    return compile(_at(settings.precision, passes, fine), size, aov_resources(aovs), notes=_notes(settings, culling))
 
 
 def plan_filter(blur: Filter, size: Size) -> Plan:
@@ -73,8 +81,9 @@ def plan_apply(
     depth: str = WINDOW_DEPTH,
     normals: bool = False,
     outputs: Sequence[str] = (VISIBILITY,),
+    fine: bool = False,
 ) -> Plan:
-    """Return the plan over a caller's depth (and normals, and colour). ``outputs``: resources.
+    """Return the plan over a caller's depth (and normals, and colour). ``outputs``: resources. ``fine``: see :func:`plan_render`.
 
     Raises SettingsError for methods that need a scene, and for an unknown kind of depth.
     """
@@ -96,7 +105,7 @@ def plan_apply(
         composite(settings.shading.ambient, (0.0, 0.0, 0.0, 1.0), direct=False),
     ]
     inputs = [GIVEN_DEPTH, *([GIVEN_NORMAL] if normals else []), *([COLOR] if IMAGE in outputs else [])]
-    return compile(_at(settings.precision, passes), size, list(outputs), inputs, notes)
+    return compile(_at(settings.precision, passes, fine), size, list(outputs), inputs, notes)
 
 
 def check_camera(settings: Settings, view: ViewConstants) -> None:
@@ -160,10 +169,16 @@ def _check_bent(settings: Settings) -> None:
         raise SettingsError(f"bent: the filter {settings.blur.name} is for visibility alone; use joint, or none")
 
 
-def _at(precision: str, passes: Sequence[Pass]) -> list[Pass]:
-    """Return the passes, with full-screen shaders of that precision; scenes are always drawn in the high one."""
+def _at(precision: str, passes: Sequence[Pass], fine: bool) -> list[Pass]:
+    """Return the passes, with full-screen shaders of that precision; scenes are always drawn in the high one.
+
+    ``fine``: with final visibilities, and what these are drawn on top of, in half floats.
+    """
 
     def precise(task: Pass) -> Pass:
+        if fine and any(name in FINAL and target.format == "r8" for name, target in task.writes.items()):
+            targets = {n: replace(t, format="r16f") if n in FINAL and t.format == "r8" else t for n, t in task.writes.items()}
+            task = replace(task, writes=targets)
         if not isinstance(task.draw, Fullscreen):
             return task
         return replace(task, draw=replace(task.draw, defines={**PRECISIONS[precision], **task.draw.defines}))

@@ -31,9 +31,9 @@ class FrameSetup:
     view: ViewConstants
     region: DrawRegion
 
-    def plan(self, aovs: Sequence[str]) -> Plan:
-        """Return the plan that a renderer draws it by."""
-        return plan_render(self.settings, self.outer, aovs, triangles=self.triangles)
+    def plan(self, aovs: Sequence[str], *, fine: bool = False) -> Plan:
+        """Return the plan that a renderer draws it by; ``fine``: see :func:`.build.plan_render`."""
+        return plan_render(self.settings, self.outer, aovs, triangles=self.triangles, fine=fine)
 
 
 def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, limit: int) -> FrameSetup:

@@ -62,7 +62,7 @@ def outcomes(renderer: Renderer, scene: Scene, camera: Camera, size: Size) -> li
 
     def drawn(name: str) -> tuple[float, float]:
         settings = dataclasses.replace(choice.settings, method=CANDIDATES[name][1].made(radius))
-        picture = renderer.render(scene, camera, size, settings, aovs=("visibility",), timed=ROUNDS)
+        picture = renderer.render(scene, camera, size, settings, aovs=("visibility",), visibility_bits=8, timed=ROUNDS)
         return sum(times(picture.report["passes"], choice.clock).values()), foreground_rmse(picture.visibility, truth, depth)
 
     yardstick = PROBES[Settings().method.name][1]

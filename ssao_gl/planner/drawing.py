@@ -28,17 +28,17 @@ def render_planned(
     *,
     aovs: str | Sequence[str] = ("image", "visibility"),
     timed: int = 0,
-    checked: bool = False,
+    **options: Any,
 ) -> Picture:
-    """Draw a scene by :meth:`ssao_gl.Renderer.render` with the settings that :func:`.plan.plan` chooses, and time it.
+    """Draw a scene by :meth:`ssao_gl.Renderer.render` with the settings that :func:`.plan.plan` chooses, and time it; ``options`` are its.
 
     Without a target: with the settings as they are.
     """
     if target is None:
-        return renderer.render(scene, camera, size, settings, aovs=aovs, timed=timed, checked=checked)
+        return renderer.render(scene, camera, size, settings, aovs=aovs, timed=timed, **options)
     choice = plan(renderer, scene, camera, size, target, settings, aovs=aovs)
     rounds = max(timed, ROUNDS)
-    return choice.noted(renderer.render(scene, camera, size, choice.settings, aovs=aovs, timed=rounds, checked=checked))
+    return choice.noted(renderer.render(scene, camera, size, choice.settings, aovs=aovs, timed=rounds, **options))
 
 
 def apply_planned(

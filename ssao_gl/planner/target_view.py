@@ -48,7 +48,13 @@ def of_scene(
 
     def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
         return renderer.render(
-            scene, camera, (max(1, size[0] // smaller), max(1, size[1] // smaller)), one, aovs=wanted, timed=timed
+            scene,
+            camera,
+            (max(1, size[0] // smaller), max(1, size[1] // smaller)),
+            one,
+            aovs=wanted,
+            visibility_bits=8,
+            timed=timed,
         )
 
     def framed(one: Settings) -> tuple[Plan, DrawRegion]:
@@ -79,9 +85,12 @@ def of_arrays(
 
     def draw(one: Settings, smaller: int, wanted: Sequence[str], timed: int) -> Picture:
         every = smaller if min(size) >= smaller else 1
-        d, c, n = (None if a is None else np.ascontiguousarray(a[::every, ::every]) for a in (depth, color, normals))
-        seen = d if depth_kind == WINDOW_DEPTH or d is None else DepthImage.settled(d)
-        return renderer.apply(seen, camera, color=c, normals=n, depth_kind=depth_kind, settings=one, aovs=wanted, timed=timed)  # type: ignore[arg-type]
+        c, n = (None if a is None else np.ascontiguousarray(a[::every, ::every]) for a in (color, normals))
+        d = np.ascontiguousarray(depth[::every, ::every])
+        seen = d if depth_kind == WINDOW_DEPTH else DepthImage.settled(d)
+        return renderer.apply(
+            seen, camera, color=c, normals=n, depth_kind=depth_kind, settings=one, aovs=wanted, visibility_bits=8, timed=timed
+        )
 
     def framed(one: Settings) -> tuple[Plan, DrawRegion]:
         made = plan_apply(one, size, depth=depth_kind, normals=normals is not None, outputs=outputs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -43,6 +44,13 @@ def check_kinds(scene: object, camera: object, settings: object) -> None:
         raise SettingsError(
             f"Renderer: settings are a {type(settings).__name__}; expected Settings, like Settings(method=Bitmask())"
         )
+
+
+def is_fine(bits: int, aovs: Sequence[str]) -> bool:
+    """Return whether visibility is to end in half floats. Raises SettingsError."""
+    if bits not in (8, 16):
+        raise SettingsError(f"visibility_bits={bits}: must be 8 or 16")
+    return bits == 16 and "visibility" in aovs
 
 
 def settled_depth(depth: NDArray[Any] | DepthImage, kind: str, camera: Camera) -> tuple[NDArray[Any], str]:

@@ -22,7 +22,7 @@ class Picture:
     """The arrays that were asked for, row 0 on top, and a report of how they were made.
 
     image: (h, w, 3) uint8 sRGB, or (h, w, 4) when the background is transparent, or the caller's colour had alpha. visibility: (h, w) float32, 1 = open,
-    background exactly 1. depth: (h, w) float32, distance along the view axis in scene units, 0 = background. normal:
+    background exactly 1, of half floats or of 8 bits. depth: (h, w) float32, distance along the view axis in scene units, 0 = background. normal:
     (h, w, 3) float32, unit, view space, (0, 0, 0) on background. bent: (h, w, 3) float32, the same of the mean of the open
     directions by their cosines. color: (h, w, 3) uint8 sRGB base colour.
     """

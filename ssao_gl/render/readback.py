@@ -24,7 +24,8 @@ def read_aov(frame: DrawnFrame, name: str, *, alpha: bool = False) -> NDArray[An
         resource = NORMAL
     array = flipped(frame.read(resource))
     if name == "visibility":
-        return array[..., 0].astype(np.float32) / 255
+        held = array[..., 0]
+        return held.astype(np.float32) / 255 if held.dtype == np.uint8 else np.clip(held, 0, 1)
     if name == "depth":
         return array[..., 0]
     if name in ("normal", "bent"):

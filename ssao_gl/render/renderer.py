@@ -33,7 +33,7 @@ from ..scene.camera import Camera
 from ..scene.depth_image import DepthImage
 from ..scene.model import Scene
 from ..scene.projection import Size
-from .arrays import check_arrays, check_kinds, pixel_size, radius_of, settled_depth
+from .arrays import check_arrays, check_kinds, is_fine, pixel_size, radius_of, settled_depth
 from .deprecated import drawn_to_budget
 from .frame_report import frame_report
 from .memory import check_room
@@ -95,19 +95,21 @@ class Renderer:
         settings: Settings | None = None,
         *,
         aovs: str | Sequence[str] = ("image", "visibility"),
+        visibility_bits: int = 16,
         timed: int = 0,
         checked: bool = False,
         **budget: float | None,
     ) -> Picture:
         """Draw ``scene``; without ``camera`` the scene's own first one, else an automatic view.
 
-        ``aovs``: any of image, visibility, depth, normal, bent, color; or one text with names by commas. ``timed`` draws that many frames more and reports the median
+        ``aovs``: any of image, visibility, depth, normal, bent, color; or one text with names by commas. ``visibility_bits``: 16
+        (half floats) or 8 (as pictures have). ``timed`` draws that many frames more and reports the median
         milliseconds of each pass. ``budget``: ``budget_ms`` and ``max_error`` of 0.1, deprecated; plan with :func:`ssao_gl.plan` or :func:`ssao_gl.render`.
         """
         if draw := drawn_to_budget("render_planned", budget):
             return draw(self, scene, camera, size, settings=settings, aovs=aovs, timed=timed, checked=checked)
         size, aovs = pixel_size(size), aov_names(aovs)
-        made, frame, seen = self._ready(scene, camera, size, settings, aovs)
+        made, frame, seen = self._ready(scene, camera, size, settings, aovs, fine=is_fine(visibility_bits, aovs))
         started = time.perf_counter()
         drawn = frame.run(made.view, scene=seen, region=made.region, checked=checked)
         seen_through = made.settings.shading.background_rgba[3] < 1
@@ -157,7 +159,14 @@ class Renderer:
         return frame.run(made.view, scene=seen, region=made.region).read(name)
 
     def _ready(
-        self, scene: Scene, camera: Camera | None, size: Size, settings: Settings | None, aovs: str | Sequence[str]
+        self,
+        scene: Scene,
+        camera: Camera | None,
+        size: Size,
+        settings: Settings | None,
+        aovs: str | Sequence[str],
+        *,
+        fine: bool = False,
     ) -> tuple[FrameSetup, FrameExecutor, SceneView]:
         """Put everything on the GPU for a frame: the scene, the plan's textures."""
         size, aovs = pixel_size(size), aov_names(aovs)
@@ -165,8 +174,8 @@ class Renderer:
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
         seen = SceneView(self._uploaded_scene(scene), camera)
         made = frame_setup(scene, camera, size, settings or Settings(), self.ctx.max_size)
-        key = ("render", made.settings, made.outer, tuple(aovs), made.triangles)
-        return made, self._frames.get(key, lambda: made.plan(aovs), self._check_room), seen
+        key = ("render", made.settings, made.outer, tuple(aovs), made.triangles, fine)
+        return made, self._frames.get(key, lambda: made.plan(aovs, fine=fine), self._check_room), seen
 
     def _uploaded_scene(self, scene: Scene) -> SceneBuffers:
         """Return the scene on the GPU."""
@@ -195,6 +204,7 @@ class Renderer:
         depth_kind: str = "eye",
         settings: Settings | None = None,
         aovs: str | Sequence[str] = ("visibility", "depth", "normal"),
+        visibility_bits: int = 16,
         timed: int = 0,
         checked: bool = False,
         **budget: float | None,
@@ -204,7 +214,7 @@ class Renderer:
         depth: (h, w) numbers of ``depth_kind``, or a :class:`ssao_gl.DepthImage`, which says what they are; without a
         surface, numbers are all open, with a warning. color: (h, w, 3 or 4) uint8 sRGB, to be dimmed; where it is larger
         than depth, all results are upsampled to its size. normals: (h, w, 3) view space. Gives ``aovs``, and image when there
-        is colour. Raises FormatError for shapes that do not fit. ``timed``, ``budget``: see :meth:`render`.
+        is colour. Raises FormatError for shapes that do not fit. Other options: see :meth:`render`.
         """
         if draw := drawn_to_budget("apply_planned", budget):
             given = {"color": color, "normals": normals, "depth_kind": depth_kind}
@@ -213,8 +223,7 @@ class Renderer:
         depth, depth_kind = settled_depth(depth, depth_kind, camera)
         guide = color if needs_upsampling(color, depth) else None
         depth, color, normals = check_arrays(depth, None if guide is not None else color, normals)
-        h, w = depth.shape
-        size = (w, h)
+        size = depth.shape[::-1]
         settings = settings or Settings()
         if settings.method.radius is None:
             settings = settings.with_radius(camera.ao_radius or radius_of(depth, camera, depth_kind))
@@ -223,11 +232,11 @@ class Renderer:
             *((BENT_NORMAL,) if "bent" in aovs else ()),
             *((IMAGE,) if color is not None else ()),
         )
-        view = camera.view(size)
+        view, fine = camera.view(size), is_fine(visibility_bits, aovs)
         check_camera(settings, view)
         frame = self._frames.get(
-            ("apply", settings, size, depth_kind, normals is not None, outputs),
-            lambda: plan_apply(settings, size, depth=depth_kind, normals=normals is not None, outputs=outputs),
+            ("apply", settings, size, depth_kind, normals is not None, outputs, fine),
+            lambda: plan_apply(settings, size, depth=depth_kind, normals=normals is not None, outputs=outputs, fine=fine),
             self._check_room,
         )
         arrays_given = {GIVEN_DEPTH: depth, GIVEN_NORMAL: normals, COLOR: color}

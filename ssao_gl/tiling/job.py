@@ -74,6 +74,11 @@ class Job:
         """Whether an AOV's own values are kept, and not only what a PNG shows of them."""
         return not self.single or self.suffix != ".png" or aov == "depth"
 
+    @property
+    def visibility_bits(self) -> int:
+        """Bits that visibility ends in: more for arrays than for pictures."""
+        return 16 if self.keeps_values("visibility") else self.bits
+
     def check(self) -> None:
         """Raise FormatError for an EXR file that does not fit into memory."""
         if self.single and self.suffix == ".exr":
@@ -114,10 +119,13 @@ def draw(renderer: Renderer, job: Job, track: Track = untracked) -> tuple[list[P
 
 def _draw_tile(renderer: Renderer, job: Job, mosaic: TileCanvas, tile: Tile) -> None:
     camera = tile.camera(job.camera, job.size)
-    picture = renderer.render(job.scene, camera, tile.outer.size, unguarded(job.settings), aovs=job.aovs)
+    picture = renderer.render(
+        job.scene, camera, tile.outer.size, unguarded(job.settings), aovs=job.aovs, visibility_bits=job.visibility_bits
+    )
     kept = {name: tile.crop(array) for name, array in picture.arrays.items()}
     spent = mosaic.notes.get("seconds", 0.0) + picture.report["seconds"]
-    plan = plan_render(job.settings, job.layout.outer, job.aovs)
+    fine = job.visibility_bits > 8 and "visibility" in job.aovs
+    plan = plan_render(job.settings, job.layout.outer, job.aovs, fine=fine)
     mosaic.notes = {
         **picture.report,
         "settings": job.settings.table(),

@@ -75,7 +75,8 @@ def draw_turntable(renderer: Renderer, job: Turntable, track: Indices = iter) ->
     cameras = list(orbit(job.camera, job.scene, job.count))
 
     def drawn(index: int) -> Picture:
-        return renderer.render(job.scene, cameras[index], job.size, job.settings, aovs=job.aovs)
+        bits = 8 if job.animated or len(job.aovs) == 1 else 16  # of pictures alone, or of arrays too
+        return renderer.render(job.scene, cameras[index], job.size, job.settings, aovs=job.aovs, visibility_bits=bits)
 
     return (_animate if job.animated else _fill)(job, job.identity(renderer), drawn, track)
 

@@ -155,7 +155,7 @@ def test_colour_larger_than_depth(apply: Any, capsys: pytest.CaptureFixture[str]
     assert picture.image.shape == color.shape and picture.depth.shape == picture.normal.shape[:2] == (480, 640)
     assert np.array_equal(picture.image, ao.multiply(color, found))
     run("apply", "large.png", "--depth", "m.npy", *lens, *RADIUS, "-o", "a.png", capsys=capsys)
-    assert np.array_equal(load_image("a.png"), picture.image)
+    assert np.abs(load_image("a.png").astype(int) - picture.image).max() <= 1  # of 8 bits' visibility, and of 16
 
 
 def test_intrinsics_of_another_size(apply: Any) -> None:

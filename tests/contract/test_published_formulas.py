@@ -157,6 +157,7 @@ def test_a_clamped_radius_is_a_smaller_radius(any_renderer: ao.Renderer, name: s
     assert np.abs(clamped - render(any_renderer, name)).max() > 0.1
 
 
+@pytest.mark.filterwarnings("ignore::ssao_gl.InputWarning")
 @pytest.mark.parametrize("name", COMPARATORS)
 def test_any_numbers_give_visibility(any_renderer: ao.Renderer, name: str) -> None:
     """Depth and normals as no renderer would leave them; nothing may be undefined, and background stays open."""

@@ -55,23 +55,25 @@ def settings(name: str, blur: Any = None, **changes: Any) -> ao.Settings:
 
 
 def stitched(
-    renderer: ao.Renderer, scene: Scene, cam: Camera, made: ao.Settings, tile: int, aovs: tuple[str, ...]
+    renderer: ao.Renderer, scene: Scene, cam: Camera, made: ao.Settings, tile: int, aovs: tuple[str, ...], bits: int = 16
 ) -> dict[str, np.ndarray]:
     """A picture of ``SIZE`` in tiles."""
     cut = layout(scene, cam, SIZE, made, aovs, tile=tile)
     assert cut is not None and cut.columns > 1 and cut.rows > 1 and cut.halo == cut.wanted
-    return put_together(renderer, scene, cam, made, cut, aovs)
+    return put_together(renderer, scene, cam, made, cut, aovs, bits)
 
 
 def put_together(
-    renderer: ao.Renderer, scene: Scene, cam: Camera, made: ao.Settings, cut: Layout, aovs: tuple[str, ...]
+    renderer: ao.Renderer, scene: Scene, cam: Camera, made: ao.Settings, cut: Layout, aovs: tuple[str, ...], bits: int = 16
 ) -> dict[str, np.ndarray]:
     """Tiles put together in memory."""
     rows: list[list[dict[str, np.ndarray]]] = []
     for index, piece in enumerate(cut.tiles()):
         if index % cut.columns == 0:
             rows.append([])
-        picture = renderer.render(scene, piece.camera(cam, SIZE), piece.outer.size, unguarded(made), aovs=aovs, checked=True)
+        picture = renderer.render(
+            scene, piece.camera(cam, SIZE), piece.outer.size, unguarded(made), aovs=aovs, visibility_bits=bits, checked=True
+        )
         rows[-1].append({name: piece.crop(array) for name, array in picture.arrays.items()})
     return {name: np.concatenate([np.concatenate([part[name] for part in row], 1) for row in rows]) for name in aovs}
 
@@ -87,8 +89,8 @@ def test_tiles_are_the_whole(any_renderer: ao.Renderer, embedded: Scene, view: s
     """
     scene, cam = views(embedded)[view]
     made = settings(name, blur)
-    whole = any_renderer.render(scene, cam, SIZE, made, aovs=("visibility",)).visibility
-    off = np.abs(stitched(any_renderer, scene, cam, made, 336, ("visibility",))["visibility"] - whole)
+    whole = any_renderer.render(scene, cam, SIZE, made, aovs=("visibility",), visibility_bits=8).visibility
+    off = np.abs(stitched(any_renderer, scene, cam, made, 336, ("visibility",), 8)["visibility"] - whole)
     if getattr(made.method, "guard", 0):
         off = off[RIM:-RIM, RIM:-RIM]
     if scene is not embedded:
@@ -100,8 +102,8 @@ def test_tiles_are_the_whole(any_renderer: ao.Renderer, embedded: Scene, view: s
 @pytest.mark.parametrize("tile", [64, 80, 100, 160, 352])
 def test_tiles_of_any_side_under_any_filter(any_renderer: ao.Renderer, embedded: Scene, tile: int, blur: Any) -> None:
     made, cam = settings("alchemy", blur), embedded.cameras[0]
-    whole = any_renderer.render(embedded, cam, SIZE, made, aovs=("visibility",)).visibility
-    off = np.abs(stitched(any_renderer, embedded, cam, made, tile, ("visibility",))["visibility"] - whole)
+    whole = any_renderer.render(embedded, cam, SIZE, made, aovs=("visibility",), visibility_bits=8).visibility
+    off = np.abs(stitched(any_renderer, embedded, cam, made, tile, ("visibility",), 8)["visibility"] - whole)
     assert (off > STEP).mean() <= 1e-4 and (off > 0).mean() <= 1e-3
 
 

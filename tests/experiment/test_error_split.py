@@ -17,7 +17,9 @@ SIZE = (96, 64)
 def test_a_given_visibility_is_filtered_as_a_method_s_own(renderer: ao.Renderer, embedded: Scene, kind: str) -> None:
     camera, method = embedded.cameras[0], ao.Alchemy(radius=0.5, samples=4)
     raw, own = (
-        renderer.render(embedded, camera, SIZE, ao.Settings(method=method, blur=blur), aovs=("visibility",)).visibility
+        renderer.render(
+            embedded, camera, SIZE, ao.Settings(method=method, blur=blur), aovs=("visibility",), visibility_bits=8
+        ).visibility
         for blur in (None, FILTERS[kind]())
     )
     given, times = renderer.filter(embedded, camera, SIZE, raw, FILTERS[kind]())

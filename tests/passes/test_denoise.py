@@ -24,7 +24,9 @@ def both(renderer: ao.Renderer, scene: Scene, cam: ao.Camera, blur: object) -> t
     """Raw and filtered visibility, and depth."""
     method = ao.Alchemy(radius=0.7, samples=4)
     raw, filtered = (
-        renderer.render(scene, cam, SIZE, ao.Settings(method=method, blur=b), aovs=("visibility", "depth"), checked=True)  # type: ignore[arg-type]
+        renderer.render(
+            scene, cam, SIZE, ao.Settings(method=method, blur=b), aovs=("visibility", "depth"), visibility_bits=8, checked=True
+        )  # type: ignore[arg-type]
         for b in (None, blur)
     )
     return raw.visibility, filtered.visibility, raw.depth
