@@ -1,0 +1,56 @@
+"""SIGINT and SIGTERM from the first import to the last frame: the right exit code, one line, and nothing half-written."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytestmark = [
+    pytest.mark.gl,
+    pytest.mark.skipif(sys.platform != "linux", reason="/proc tells when a process catches signals"),
+]
+
+JOBS: dict[str, list[str]] = {
+    "folder": ["--size", "160x120", "--turntable", "5000", "-o", "t/"],
+    "animation": ["--size", "100x80", "--turntable", "5000", "-o", "t.webp"],
+    "tiles": ["--size", "8000x6000", "--tile", "128", "-o", "t.png"],
+}
+KEPT = {"t", ".t.webp.tiles", ".t.png.tiles"}
+"""What the same command goes on from."""
+DELAYS = (0.0, 0.1, 0.3, 1.5)
+"""Seconds since signals are heeded: three times within imports, and once within drawing."""
+
+
+def heeded(process: subprocess.Popen[str], number: int) -> bool:
+    """Return whether a process catches a signal: Python itself, before it runs anything of ours, does not."""
+    lines = Path(f"/proc/{process.pid}/status").read_text().splitlines()
+    caught = next(int(line.split()[1], 16) for line in lines if line.startswith("SigCgt"))
+    return bool(caught >> (number - 1) & 1)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("job", JOBS)
+def test_a_signal_ends_it_at_any_moment(job: str, number: signal.Signals, tmp_path: Path) -> None:
+    for delay in DELAYS:
+        place = tmp_path / str(delay)
+        place.mkdir()
+        running = subprocess.Popen(
+            [sys.executable, "-m", "ssao_gl", "render", *JOBS[job]], cwd=place, stdout=subprocess.PIPE, text=True,
+            stderr=subprocess.STDOUT, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )  # fmt: skip
+        while not heeded(running, signal.SIGTERM):
+            assert running.poll() is None
+            time.sleep(0.005)
+        time.sleep(delay)
+        running.send_signal(number)
+        said, _ = running.communicate(timeout=60)
+        assert running.returncode == 128 + number, (delay, said)
+        assert said.startswith(f"ssao-gl: {'interrupted' if number == signal.SIGINT else 'terminated'}"), (delay, said)
+        assert said.count("\n") == 1
+        assert {path.name for path in place.iterdir()} <= KEPT
+        assert not list(place.rglob("*.part*")), delay
