@@ -52,3 +52,24 @@ def test_a_signal_ends_it_at_any_moment(job: str, number: signal.Signals, tmp_pa
         assert said.count("\n") == 1
         assert {path.name for path in place.iterdir()} <= KEPT
         assert not list(place.rglob("*.part*")), delay
+
+
+LATE = """
+import os, sys
+class Late:
+    def __del__(self, kill=os.kill, pid=os.getpid(), number=int(sys.argv.pop())):
+        kill(pid, number)
+late = Late()
+from ssao_gl.__main__ import main
+main()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_after_the_work_changes_nothing(number: signal.Signals) -> None:
+    """Python clears its modules at its end, when it has given up its handlers of signals."""
+    line = [sys.executable, "-c", LATE, "--version", str(int(number))]
+    ended = subprocess.run(
+        line, capture_output=True, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler)
+    )
+    assert (ended.returncode, ended.stderr) == (0, "") and ended.stdout.strip()
