@@ -11,9 +11,14 @@ def main() -> None:
     for number, default in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
         if signal.getsignal(number) is default:  # a shell's background jobs ignore the first
             signal.signal(number, _leave_at_once)
-    from .cli import main as run
+    try:
+        from .cli import main as run
 
-    run()
+        run()
+    finally:
+        for number in WORDS:
+            if signal.getsignal(number) is _leave_at_once:  # all is done; Python restores the defaults while it tidies up
+                signal.signal(number, signal.SIG_IGN)
 
 
 def _leave_at_once(number: int, frame: object) -> None:

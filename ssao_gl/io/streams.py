@@ -114,7 +114,7 @@ def silenced() -> Iterator[None]:
     kept: list[tuple[int, int]] = []
     try:
         for stream in (sys.stdout, sys.stderr):
-            if stream is not None:
+            with suppress(OSError, ValueError, AttributeError):  # it may be closed, or none
                 stream.flush()
         nowhere = os.open(os.devnull, os.O_WRONLY)
         for handle in (1, 2):

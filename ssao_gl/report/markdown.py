@@ -14,10 +14,10 @@ from .tables import Table, tables, text
 
 def markdown(found: Mapping[str, Any], drawn: Sequence[Plot]) -> str:
     """Return the whole text."""
-    parts = ["# Ambient occlusion: error against time", f"`{found['command']}`"]
+    parts = ["# Ambient occlusion: error against time", _code(found["command"])]
     parts += [f"![{plot.title}]({plot.name}.svg)" for plot in drawn]
     parts += [f"## {table.title}\n\n{table.note}\n\n{grid(table)}" for table in tables(found)]
-    parts.append("## Made with\n\n" + "\n".join(f"- {name}: {value}" for name, value in facts(found).items()))
+    parts.append("## Made with\n\n" + "\n".join(f"- {name}: {_plain(value)}" for name, value in facts(found).items()))
     return "\n\n".join(parts) + "\n"
 
 
@@ -25,16 +25,23 @@ def grid(table: Table) -> str:
     """Return a table of GitHub's Markdown; numbers to the right."""
     number = [bool(column.spec) for column in table.columns]
     lines = [
-        "| " + " | ".join(_cell(column.title) for column in table.columns) + " |",
+        "| " + " | ".join(_plain(column.title) for column in table.columns) + " |",
         "|" + "|".join("---:" if right else "---" for right in number) + "|",
     ]
     for row in table.rows:
-        cells = [_cell(text(cell, column.spec)) for cell, column in zip(row, table.columns, strict=True)]
+        cells = [_plain(text(cell, column.spec)) for cell, column in zip(row, table.columns, strict=True)]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
-def _cell(words: str) -> str:
-    """Return words fit for a cell: on one line, and nothing in them is markup."""
+def _plain(words: str) -> str:
+    """Return words on one line, fit for a cell and a list: nothing in them is markup."""
     line = escape(" ".join(words.split()), quote=False)
-    return re.sub(r"([\\|`*\[\]])", r"\\\1", line)
+    return re.sub(r"([\\|`*_~\[\]])", r"\\\1", line)
+
+
+def _code(words: str) -> str:
+    """Return words as code on one line, between more backticks than are in them (CommonMark 0.31, section 6.1)."""
+    line = " ".join(words.split())
+    fence = "`" * (1 + max(map(len, re.findall("`+", line)), default=0))
+    return f"{fence} {line} {fence}" if "`" in line else f"{fence}{line}{fence}"

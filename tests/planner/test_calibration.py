@@ -51,7 +51,9 @@ def test_a_driver_is_probed_once(tmp_path: Path, probes: list[str]) -> None:
     assert probes == ["a renderer", "another"]
 
 
-@pytest.mark.parametrize("content", ["", "{", "[]", "{}", '{"bitmask draft": 3}', "-1", "NaN", "Infinity", "1e999"])
+@pytest.mark.parametrize(
+    "content", ["", "{", "[" * 100_000, "[]", "{}", '{"bitmask draft": 3}', "-1", "NaN", "Infinity", "1e999"]
+)
 def test_a_damaged_calibration_is_made_anew(
     tmp_path: Path, probes: list[str], caplog: pytest.LogCaptureFixture, content: str
 ) -> None:

@@ -46,3 +46,25 @@ def test_unknown_variants_say_what_there_is(arguments: tuple[list[str], ...], me
 def test_markdown_grid_aligns_numbers_and_escapes() -> None:
     table = tables.Table("T", "", (tables.Column("name"), tables.Column("x", ".2f")), [["a|b", 1.234], ["c", None]])
     assert markdown.grid(table).splitlines() == ["| name | x |", "|---|---:|", "| a\\|b | 1.23 |", "| c | – |"]
+
+
+def test_markdown_escapes_names() -> None:
+    """Names of files and scenes stand in cells, in the list of facts and in the command: nothing in them is markup there."""
+    name = "a*b* [x](y) <b> `c` _d_ ~~e~~ \\ |\n# f"
+    table = tables.Table("T", "", (tables.Column("name"),), [[name]])
+    plain = r"a\*b\* \[x\](y) &lt;b&gt; \`c\` \_d\_ \~\~e\~\~ \\ \| # f"
+    assert markdown.grid(table).splitlines()[-1] == f"| {plain} |"
+    machine = {
+        "threads": {}, "provider": "p", "renderer": "r", "gl_version": "v", "cpu": "c", "cores": 2, "system": "s", "python": "3",
+        "packages": {}, "commit": "", "software": True,
+    }  # fmt: skip
+    truth = {"falloff": "hard", "normals": "geometric", "spp": 1, "seed": 0}
+    found = {
+        "machine": machine, "settings": {"truth": truth, "rounds": 1}, "made": "today", "command": f"ssao-gl report '{name}'",
+        "scenes": {"fit": [name], "test": []},
+    }  # fmt: skip
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(markdown, "tables", lambda found: [])
+        lines = markdown.markdown(found, []).splitlines()
+    assert f"- fitted on: {plain}" in lines
+    assert lines[2] == "`` ssao-gl report 'a*b* [x](y) <b> `c` _d_ ~~e~~ \\ | # f' ``"

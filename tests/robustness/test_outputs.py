@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import signal
 import stat
 import subprocess
 import sys
@@ -22,7 +21,10 @@ OPTIONS: dict[str, list[str]] = {
     "-o": ["render", "--size", "16x12", "-o", "PLACE"],
     "--json": ["render", "--size", "16x12", "-o", "a.npy", "--json", "PLACE"],
     "--diff": ["compare", "one.png", "other.png", "--diff", "PLACE"],
+    "page": ["stress", "--only", "plane", "--methods", "alchemy", "-o", "PLACE"],
 }
+SUFFIXES = {"--json": ".json", "page": ".html"}
+STARTS = {"--json": b"{", "page": b"<!doctype html>"}
 KINDS = ("device", "full device", "pipe", "link")
 
 
@@ -56,7 +58,7 @@ def read(pipe: Path, into: list[bytes]) -> threading.Thread:
 @pytest.mark.parametrize("option", OPTIONS)
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_no_file_stays_what_it_is(kind: str, option: str, folder: Path) -> None:
-    place = folder / ("out.json" if option == "--json" else "out.png")
+    place = folder / f"out{SUFFIXES.get(option, '.png')}"
     got: list[bytes] = []
     if kind == "pipe":
         os.mkfifo(place)
@@ -79,7 +81,7 @@ def test_what_is_no_file_stays_what_it_is(kind: str, option: str, folder: Path) 
         reader.join(10)
     if kind != "device":
         data = got[0] if kind == "pipe" else (folder / "far" / place.name).read_bytes()
-        assert data.startswith(b"{" if option == "--json" else b"\x89PNG") and len(data) > 100
+        assert data.startswith(STARTS.get(option, b"\x89PNG")) and len(data) > 100
 
 
 @pytest.mark.gl
@@ -137,18 +139,39 @@ def test_long_values_are_cut(folder: Path) -> None:
     assert running.returncode == 2 and b"slices=999" in err and b"..." in err and len(err) < 800
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_signals_during_imports(number: signal.Signals, folder: Path) -> None:
-    """Packages swallow what ends their imports; the command ends nevertheless, with one line."""
-    for delay in (0.2, 0.5):
-        running = command(
-            folder, "render", "--size", "64x48", "--turntable", "2000", "-o", "a.gif",
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-        )  # fmt: skip
-        with pytest.raises(subprocess.TimeoutExpired):
-            running.communicate(timeout=delay)
-        running.send_signal(number)
-        _, err = running.communicate(timeout=60)
-        assert running.returncode == 128 + number, err
-        assert err.startswith(b"ssao-gl: ") and err.count(b"\n") == 1
-        assert not (folder / "a.gif").exists()
+@pytest.mark.gl
+def test_a_report_follows_links_and_keeps_devices(folder: Path) -> None:
+    place = folder / "report"
+    place.mkdir()
+    (place / "report.html").symlink_to("../page.html")
+    device(place / "report.md", 3)
+    line = ["report", "--size", "16x12", "--methods", "alchemy", "--presets", "draft", "--spp", "16", "--rounds", "1"]
+    running = command(folder, *line, "--no-reference", "--cache", "cache", "-o", "report")
+    _, err = running.communicate(timeout=120)
+    assert running.returncode == 0, err
+    assert (folder / "page.html").read_bytes().startswith(b"<!doctype html>") and (place / "report.html").is_symlink()
+    assert stat.S_ISCHR((place / "report.md").lstat().st_mode)
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="a folder is needed that nobody can write to")
+@pytest.mark.parametrize("option", OPTIONS)
+def test_a_folder_that_cannot_be_written_is_named(option: str, folder: Path) -> None:
+    """It is said before anything is drawn."""
+    place = f"/proc/out{SUFFIXES.get(option, '.png')}"
+    before = set(folder.iterdir())
+    running = command(folder, *(place if part == "PLACE" else part for part in OPTIONS[option]))
+    out, err = running.communicate(timeout=60)
+    assert running.returncode == 2 and out == b"" and err.startswith(f"ssao-gl: cannot write {place}: ".encode())
+    assert err.count(b"\n") == 1 and b"(in the folder /proc)" in err and set(folder.iterdir()) == before
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize("kind", ["one place", "no area"])
+def test_what_cannot_be_seen_is_said(kind: str, folder: Path) -> None:
+    """A mesh with all vertices at one place, and one of which every triangle is a line: one clear line on standard error."""
+    rows = ["1 2 3"] * 4 if kind == "one place" else ["0 0 0", "1 1 1", "2 2 2", "4 4 4"]
+    (folder / "a.off").write_text("\n".join(["OFF", "4 2 0", *rows, "3 0 1 2", "3 1 2 3"]) + "\n")
+    running = command(folder, "render", "a.off", "--size", "16x12", "-o", "a.png")
+    out, err = running.communicate(timeout=60)
+    assert running.returncode == 0 and out.startswith(b"a.png: a.off, 2 triangles") and out.count(b"\n") == 1
+    assert err == b"ssao-gl: a.off: nothing can be seen: none of its triangles has an area\n"

@@ -74,7 +74,9 @@ def test_it_goes_on_where_it_stopped(tmp_path: Path) -> None:
         np.testing.assert_array_equal(np.load(made.path("a")), WHOLE["a"])
 
 
-@pytest.mark.parametrize("damage", ["identity", "array gone", "array short", "state gone", "state torn", "state a list"])
+@pytest.mark.parametrize(
+    "damage", ["identity", "array gone", "array short", "state gone", "state torn", "state a list", "state too deep"]
+)
 def test_another_picture_and_damage_begin_anew(tmp_path: Path, damage: str) -> None:
     folder = tmp_path / "w"
     filled(folder, "x", 3)
@@ -89,6 +91,8 @@ def test_another_picture_and_damage_begin_anew(tmp_path: Path, damage: str) -> N
         state.write_text(state.read_text()[:-20])
     elif damage == "state a list":
         state.write_text("[]")
+    elif damage == "state too deep":
+        state.write_text("[" * 100_000)
     identity = "y" if damage == "identity" else "x"
     assert filled(folder, identity, 6) == [0, 1, 2, 3, 4, 5]
     np.testing.assert_array_equal(np.load(folder / "b.npy"), WHOLE["b"])
