@@ -40,19 +40,19 @@ def _option(text: str, *, rare: bool = False) -> Parameter:
 class LookOptions:
     """Which method, which filter, and their settings."""
 
-    method: Annotated[str | None, _option("AO method; `ssao-gl methods` lists them. [default: bitmask]")] = None
+    method: Annotated[str | None, _option("One of `ssao-gl methods`. [default: bitmask]")] = None
     preset: Annotated[
         str | None, _option("How much time for how little error: draft, low, medium, high or ultra. [default: medium]")
     ] = None
     radius: Annotated[
         str | None,
         _option(
-            "Reach of occlusion in scene units, or a share of the scene's size, like 10%."
+            "Reach, in scene units or as a share of the scene's size, like 10%."
             " [default: the camera file's ao_radius, else 3%]"
         ),
     ] = None
-    samples: Annotated[int | None, WHOLE, _option("Taps a pixel, of methods that count them. [default: the method's]")] = None
-    blur: Annotated[str | None, _option("Filter: none, lecture, separable or joint. [default: joint]")] = None
+    samples: Annotated[int | None, WHOLE, _option("Taps a pixel, where counted. [default: the method's]")] = None
+    blur: Annotated[str | None, _option("none, lecture, separable or joint. [default: joint]")] = None
     set: Annotated[
         tuple[str, ...],
         Parameter(
@@ -123,10 +123,10 @@ class ViewOptions:
     camera: Annotated[
         str | None,
         _option(
-            "Camera file, FILE or FILE:NAME: .cam.json, NeRF's, COLMAP's or BOP's. [default: the scene's own, else automatic]"
+            "FILE or FILE:NAME: .cam.json, NeRF, COLMAP or BOP. [default: the scene's own, else automatic]"
         ),
     ] = None
-    eye: Annotated[str | None, _option("Where the camera stands: x,y,z in scene units. [default: the camera's]")] = None
+    eye: Annotated[str | None, _option("Where the camera stands, x,y,z. [default: the camera's]")] = None
     target: Annotated[
         str | None,
         _option("What it looks at: x,y,z in scene units. [default: the camera's; the middle of the scene with --eye or --up]"),

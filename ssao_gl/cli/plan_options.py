@@ -23,8 +23,8 @@ class PlanOptions:
     budget_ms: Annotated[
         float | None,
         Parameter(
-            help="Choose the preset: the least error predicted within this many milliseconds a frame on this driver (CPU time"
-            " on software renderers). [default: none]",
+            help="Choose the preset: the least error predicted within this time a frame, CPU time on software renderers."
+            " [default: none]",
             negative="",
             allow_leading_hyphen=True,
         ),

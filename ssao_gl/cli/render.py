@@ -68,7 +68,7 @@ class PictureOptions:
         int,
         WHOLE,
         Parameter(
-            help="Number of frames of a turn about the scene: files in a folder, or a .gif, .webp or .apng file; 0: one picture.",
+            help="Frames of a turn about the scene: files in a folder, or one .gif, .webp or .apng.",
         ),
     ] = 0
     tile: TileOption = None

@@ -16,9 +16,9 @@ from ssao_gl.methods.registry import registry
 from tests.command_line import run
 
 
-def page(*words: str) -> str:
-    """What a command prints on 100 columns."""
-    environment = {**os.environ, "COLUMNS": "100"}
+def page(*words: str, columns: int = 100) -> str:
+    """What a command prints."""
+    environment = {**os.environ, "COLUMNS": str(columns)}
     ran = subprocess.run([sys.executable, "-m", "ssao_gl", *words], env=environment, capture_output=True, text=True, timeout=60)
     assert ran.returncode == 0, ran.stderr
     return ran.stdout
@@ -35,8 +35,9 @@ def test_commands_on_a_line_each_with_three_examples() -> None:
 
 def test_render_fits_sixty_lines() -> None:
     """Rare options are named, and described by --help-all."""
-    short = page("render", "-h")
-    assert len(short.splitlines()) <= 60 and max(map(len, short.splitlines())) <= 100
+    for columns in (80, 100):
+        short = page("render", "-h", columns=columns)
+        assert len(short.splitlines()) <= 60 and max(map(len, short.splitlines())) <= columns
     assert "--crease-deg" in short and "edges sharper" not in short and "ssao-gl methods NAME" in short
     assert "edges sharper" in page("render", "--help-all")
     assert page("help", "render") == short

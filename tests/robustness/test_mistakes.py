@@ -52,7 +52,7 @@ LINES: dict[str, str] = {
     "render box.glb --steps 3": "It is a setting: --set steps=VALUE.",
     "render box.glb --ambient 1": "It is a setting: --set shading.ambient=VALUE.",
     "render box.glb --tolerance 1": "It is a setting: --set blur.tolerance=VALUE.",
-    "render box.glb --radius": "--radius needs a value: Reach of occlusion in scene units, or a share of the scene's size, like 10%",
+    "render box.glb --radius": "--radius needs a value: Reach, in scene units or as a share of the scene's size, like 10%",
     "apply photo.png": "--depth is needed: Depth, (h, w): NPY, NPZ, EXR",
     # values
     "render box.glb --method ssao": "there are bitmask, alchemy, crytek, gtao, hbao,",
