@@ -47,8 +47,7 @@ class LookOptions:
     radius: Annotated[
         str | None,
         _option(
-            "Reach, in scene units or as a share of the scene's size, like 10%."
-            " [default: the camera file's ao_radius, else 3%]"
+            "Reach, in scene units or as a share of the scene's size, like 10%. [default: the camera file's ao_radius, else 3%]"
         ),
     ] = None
     samples: Annotated[int | None, WHOLE, _option("Taps a pixel, where counted. [default: the method's]")] = None
@@ -122,9 +121,7 @@ class ViewOptions:
     size: Annotated[str, _option("Width x height, pixels.")] = "1280x720"
     camera: Annotated[
         str | None,
-        _option(
-            "FILE or FILE:NAME: .cam.json, NeRF, COLMAP or BOP. [default: the scene's own, else automatic]"
-        ),
+        _option("FILE or FILE:NAME: .cam.json, NeRF, COLMAP or BOP. [default: the scene's own, else automatic]"),
     ] = None
     eye: Annotated[str | None, _option("Where the camera stands, x,y,z. [default: the camera's]")] = None
     target: Annotated[
