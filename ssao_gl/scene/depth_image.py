@@ -84,8 +84,11 @@ class DepthImage:
         Raises FormatError for shapes and types that are no depth, for values of another kind, and when no texel is usable.
         """
         raw = _plane(self.values)
+        if self._is_linear(raw):
+            return raw.copy()
         absent = _absent(raw, self)
-        values = np.where(absent, np.nan, np.ma.getdata(raw).astype(np.float64))
+        with np.errstate(invalid="ignore"):  # of bits that are no number
+            values = np.where(absent, np.nan, np.ma.getdata(raw).astype(np.float64))
         if self.kind == "window":
             z = _from_window(values / np.iinfo(raw.dtype).max if raw.dtype.kind in "iu" else values, camera)
         else:
@@ -100,6 +103,19 @@ class DepthImage:
         elif self.noise:
             z = denoise_depth(z, camera, self.noise)
         return z.astype(np.float32)
+
+    def _is_linear(self, raw: NDArray[Any]) -> bool:
+        """Whether depth is linear as it stands, which a glance tells of most frames of a stream."""
+        plain = self.kind == "eye" and self.scale in (None, 1.0) and self.mask is None and not self.noise
+        if not plain or raw.dtype != np.float32 or np.ma.isMaskedArray(raw):
+            return False
+        with np.errstate(invalid="ignore"):
+            low, high = float(raw.min()), float(raw.max())
+        if not (low >= 0 and LEAST <= high < MOST):
+            return False
+        if self.background is not None:
+            return bool(np.isnan(self.background))
+        return int(np.count_nonzero(raw == high)) < BLOCK**2  # no far constant
 
     def _tell_empty(self, raw: NDArray[Any]) -> None:
         """Say that nothing is left, as :attr:`empty` asks. Raises FormatError."""

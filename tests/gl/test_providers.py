@@ -26,7 +26,8 @@ def shots(scene: Scene, camera: ao.Camera | None, size: tuple[int, int]) -> dict
     for provider in openable():
         with ao.Renderer(provider) as renderer:
             settings = ao.Settings(method=ao.Alchemy())
-            found[provider] = renderer.render(scene, camera, size, settings, aovs=("visibility",), checked=True).visibility
+            picture = renderer.render(scene, camera, size, settings, aovs=("visibility",), visibility_bits=8, checked=True)
+            found[provider] = picture.visibility
     return found
 
 
@@ -35,7 +36,8 @@ def default_shots(scene: Scene, camera: ao.Camera | None, size: tuple[int, int])
     found = {}
     for provider in (name for name in openable() if name in MESA):
         with ao.Renderer(provider) as renderer:
-            found[provider] = renderer.render(scene, camera, size, aovs=("visibility",), checked=True).visibility
+            picture = renderer.render(scene, camera, size, aovs=("visibility",), visibility_bits=8, checked=True)
+            found[provider] = picture.visibility
     return found
 
 

@@ -127,3 +127,14 @@ def test_any_bits_give_usable_depth_or_an_error(numbers: list[float], kind: str)
         assert "\n" not in str(error)
         return
     assert np.isfinite(found).all() and (found >= 0).all() and found.any()
+
+
+def test_what_is_linear_as_it_stands_is_found_at_a_glance() -> None:
+    """The same as by way of 64 bits, where every rule is tried; and a copy."""
+    z = np.random.default_rng(4).uniform(1, 9, (12, 16)).astype(np.float32)
+    z[2, 3:7] = 0
+    quick, slow = ao.DepthImage(z).linear(CAMERA), ao.DepthImage(z.astype(np.float64)).linear(CAMERA)
+    assert np.array_equal(quick, slow) and np.array_equal(quick, z) and not np.shares_memory(quick, z)
+    z[4:8, 4:8] = 1e10
+    with pytest.warns(ao.InputWarning, match=r"16 of 192 depths hold 1e\+10"):
+        assert (ao.DepthImage(z).linear(CAMERA)[4:8, 4:8] == 0).all()

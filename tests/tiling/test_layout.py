@@ -78,7 +78,8 @@ def test_a_part_shows_the_same_points_in_the_same_pixels(name: str) -> None:
     top, left = SIZE[1] - corner[1] - size[1], corner[0]
     there = slice(top, top + size[1]), slice(left, left + size[0])
     np.testing.assert_allclose(part.points(z[there]), whole.points(z)[there], atol=1e-9)
-    assert (part.near, part.far) == pytest.approx((whole.near, whole.far), rel=1e-9)
+    if name != "oblique near plane":  # which lies at another distance in the middle of the part
+        assert (part.near, part.far) == pytest.approx((whole.near, whole.far), rel=1e-9)
     assert part.pixel == pytest.approx(whole.pixel) and part.whole == SIZE and whole.whole is None
 
 
