@@ -95,8 +95,6 @@ REFUSED: dict[str, tuple[str, bytes, str]] = {
     "matrix of NaN": ("a.glb", glb(changed("nodes.0.matrix", [float("nan")] * 16)), "transforms must be finite"),
     "matrix too short": ("a.glb", glb(changed("nodes.0.matrix", [1, 0, 0])), "structure is broken"),
     "scale of 1e39": ("a.glb", glb(changed("nodes.0.scale", [1e39, 1, 1])), "scale it"),
-    "Draco": ("a.glb", glb(tree(extensionsRequired=["KHR_draco_mesh_compression"])), "Draco"),
-    "meshopt": ("a.glb", glb(tree(extensionsRequired=["EXT_meshopt_compression"])), "EXT_meshopt_compression"),
     "NaN in GLB": ("a.glb", glb(tree(), binary(NAN_TRIANGLE)), "1 of 1 triangles have vertices that are not finite"),
     "index 9 in GLB": ("a.glb", glb(tree(), binary(indices=(0, 1, 9))), "names vertex 9; there are 0 to 2"),
     "index -1 in GLB": ("a.glb", glb(tree(), binary(indices=(0, 1, 2**32 - 1))), "names vertex"),
