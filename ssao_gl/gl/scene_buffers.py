@@ -18,7 +18,7 @@ from ..scene.bounds import named_positions
 from ..scene.camera import Camera
 from ..scene.model import Mesh, Scene
 from ..scene.projection import Matrix, ViewConstants
-from .programs import GpuResources
+from .programs import GpuResources, Program
 from .scene_textures import Sampled, SceneTextures
 
 CHUNK = 1 << 18
@@ -42,6 +42,20 @@ class _OnGpu:
     texture: Sampled | None
 
 
+_Kind = tuple[tuple[str, str], tuple[str, ...], tuple[tuple[str, Define], ...]]
+"""Shader, targets and defines of a draw."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Call:
+    """How a mesh is drawn: its program, vertex array, uniforms of colour, and texture where that is read."""
+
+    program: Program
+    array: moderngl.VertexArray
+    look: Mapping[str, Any]
+    texture: Sampled | None
+
+
 class SceneBuffers:
     """A scene's vertex data and textures in GL objects."""
 
@@ -50,6 +64,7 @@ class SceneBuffers:
         self._resources = resources
         self._owned: list[Any] = []
         self._arrays: dict[Any, moderngl.VertexArray] = {}
+        self._calls: dict[tuple[int, _Kind], _Call] = {}
         self._textures = SceneTextures(resources)
         self._center = scene.bounds.mean(0)
         try:
@@ -112,21 +127,28 @@ class SceneBuffers:
             "u_light": LIGHT,
             **uniforms,
         }
-        unit = len(draw.samplers)
+        unit, kind = len(draw.samplers), (draw.shader, tuple(writes), tuple(sorted(defines.items())))
         for number, on_gpu in enumerate(self._meshes):
-            needed = _defines(on_gpu.mesh, writes, defines)
-            program = self._resources.program(*draw.shader, {**needed, **defines})
-            key = (number, program)
-            vao = self._arrays.get(key)
-            if vao is None:
-                content = [(*on_gpu.attributes[n], n) for n in on_gpu.attributes if n in program.mgl]
-                vao = self._arrays[key] = self._resources.ctx.mgl.vertex_array(program.mgl, content, on_gpu.index)
-            program.set(shared)
-            program.set(_look(on_gpu.mesh, needed))
-            if "TEXTURED" in needed and on_gpu.texture is not None:
-                on_gpu.texture.bind(unit)
-                program.set({"u_texture": unit})
-            vao.render(moderngl.TRIANGLES, instances=len(on_gpu.mesh.transforms))
+            call = self._calls.get((number, kind)) or self._prepared(number, kind, defines)
+            call.program.set(shared)
+            call.program.set(call.look)
+            if call.texture is not None:
+                call.texture.bind(unit)
+                call.program.set({"u_texture": unit})
+            call.array.render(moderngl.TRIANGLES, instances=len(on_gpu.mesh.transforms))
+
+    def _prepared(self, number: int, kind: _Kind, defines: Mapping[str, Define]) -> _Call:
+        """Return how a mesh is drawn by such a draw, with the program and the vertex array for it."""
+        on_gpu, (shader, writes, _) = self._meshes[number], kind
+        needed = _defines(on_gpu.mesh, writes, defines)
+        program = self._resources.program(*shader, {**needed, **defines})
+        array = self._arrays.get((number, program))
+        if array is None:
+            content = [(*on_gpu.attributes[n], n) for n in on_gpu.attributes if n in program.mgl]
+            array = self._arrays[number, program] = self._resources.ctx.mgl.vertex_array(program.mgl, content, on_gpu.index)
+        texture = on_gpu.texture if "TEXTURED" in needed else None
+        call = self._calls[number, kind] = _Call(program, array, _look(on_gpu.mesh, needed), texture)
+        return call
 
     def _depth_range(self, from_center: Matrix) -> tuple[float, float]:
         """Smallest and largest linear depth of the scene's bounding box."""
@@ -142,7 +164,7 @@ class SceneBuffers:
         for buffer in self._owned:
             buffer.release()
         self._textures.release()
-        self._arrays, self._owned, self._meshes = {}, [], []
+        self._arrays, self._calls, self._owned, self._meshes = {}, {}, [], []
 
 
 def fit_depth_range(view: ViewConstants, nearest: float, farthest: float) -> Matrix:
