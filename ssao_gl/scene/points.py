@@ -78,6 +78,13 @@ def _neighbourhoods(points: Floats) -> tuple[Floats, Floats]:
     """Distance (n,) to the last of REACH neighbours, and the unit normal (n, 3) of the plane through NEIGHBOURS."""
     from scipy.spatial import cKDTree  # takes a while
 
+    # A tree has no way to part points at one place, and would go through all of them for each of them.
+    sums = points @ np.array([0.7548776662, 0.5698402910, 0.4656712318])
+    if len(np.unique(sums)) < len(points):
+        places, which = np.unique(points, axis=0, return_inverse=True)
+        if len(places) < len(points):
+            reach, normals = _neighbourhoods(places)
+            return reach[which.ravel()], normals[which.ravel()]
     tree = cKDTree(points)
     count = min(NEIGHBOURS, len(points))
     reach, normals = np.zeros(len(points)), np.tile([0.0, 0.0, 1.0], (len(points), 1))

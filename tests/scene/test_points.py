@@ -59,3 +59,16 @@ def test_an_array_of_points_is_a_scene() -> None:
     assert as_scene(np.eye(3)).triangles == 12
     with pytest.raises(ao.SceneError, match=r"positions must be \(n, 3\), got \(4, 4\)"):
         as_scene(np.eye(4))
+
+
+def test_points_at_one_place_are_one_place() -> None:
+    """As many discs as points, each as its place alone has it; a hundred thousand at two places take no longer than others."""
+    from ssao_gl.scene.points import surfels
+
+    places = np.random.default_rng(8).normal(size=(40, 3))
+    alone = surfels(places, None, None, None)
+    doubled = surfels(np.concatenate([places, places[::-1]]), None, None, None)
+    np.testing.assert_array_equal(doubled.positions[: 6 * 40], alone.positions)
+    np.testing.assert_array_equal(doubled.positions[6 * 40 :].reshape(40, 6, 3)[::-1].reshape(-1, 3), alone.positions)
+    many = surfels(np.tile([[0.0, 0, 0], [1, 0, 0]], (50_000, 1)), None, None, None)
+    assert len(many.positions) == 600_000
