@@ -16,6 +16,7 @@ A message says what is wrong, where, what was expected and what to do, on one li
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Iterable
 from difflib import get_close_matches
 
@@ -61,6 +62,11 @@ class InputWarning(UserWarning):
     The command line says each once on standard error, lists them in ``--json``, and fails on one with ``--strict``; programs
     use Python's filters: ``warnings.simplefilter("error", InputWarning)``.
     """
+
+
+def warn_of_input(text: str) -> None:
+    """Give an :class:`InputWarning`."""
+    warnings.warn(text, InputWarning, stacklevel=3)
 
 
 def one_line(text: object, limit: int = 300) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +11,7 @@ import numpy as np
 from cyclopts import Parameter
 from numpy.typing import NDArray
 
-from ..errors import FormatError, InputWarning, SettingsError
+from ..errors import FormatError, SettingsError, warn_of_input
 from ..io import images
 from ..io.depth_files import load_depth
 from ..loaders.camera_files import load_camera
@@ -152,7 +151,7 @@ def _likelier(center: tuple[float, float], size: Size, shown: Size) -> Size:
     off = [abs(center[0] / w - 0.5) + abs(center[1] / h - 0.5) for w, h in (size, shown)]
     seen = size if off[0] <= off[1] else shown
     whose = "depth" if seen == size else "color"
-    _warn(
+    warn_of_input(
         f"--intrinsics are taken to be for {seen[0]}x{seen[1]}, as {whose} is; --intrinsics-size says for which image they are"
     )
     return seen
@@ -162,17 +161,13 @@ def _check_lens(center: tuple[float, float], seen: Size, size: Size) -> None:
     """Warn of intrinsics that seem to be those of another image."""
     if not (0 < center[0] < seen[0] and 0 < center[1] < seen[1]):
         text = f"--intrinsics: the middle {center[0]:g},{center[1]:g} lies outside {seen[0]}x{seen[1]}; --intrinsics-size says for which image they are"
-        _warn(text)
+        warn_of_input(text)
     if abs(seen[0] * size[1] / (seen[1] * size[0]) - 1) > 0.02:
         text = f"--intrinsics-size {seen[0]}x{seen[1]}: the image, {size[0]}x{size[1]}, has other proportions; pixels are taken to be stretched"
-        _warn(text)
+        warn_of_input(text)
 
 
 def _mask(path: Path) -> NDArray[Any]:
     """Return a mask (h, w). Raises FormatError."""
     array = images.load_image(path)
     return np.asarray(array[..., :3].any(-1) if array.ndim == 3 else array != 0)
-
-
-def _warn(text: str) -> None:
-    warnings.warn(text, InputWarning, stacklevel=3)

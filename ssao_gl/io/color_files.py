@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import FormatError, InputWarning
+from ..errors import FormatError, warn_of_input
 from .images import load_image, to_bytes
 
 
@@ -16,7 +15,7 @@ def load_color(path: Path | str) -> NDArray[np.uint8]:
     """Read a picture as uint8 sRGB, (h, w, 3) or (h, w, 4); grey is repeated, 16 bits become 8. Raises FormatError."""
     array = load_image(path)
     if array.dtype == np.uint16:
-        warnings.warn(f"{path}: its 16 bits a channel become 8", InputWarning, stacklevel=2)
+        warn_of_input(f"{path}: its 16 bits a channel become 8")
         array = to_bytes(array / 65535)
     if array.ndim == 2:
         array = array[..., None]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,7 +11,7 @@ from typing import Any, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import FormatError, InputWarning, SettingsError, near_miss, one_line
+from ..errors import FormatError, SettingsError, near_miss, one_line, warn_of_input
 from ..scene.depth_image import DepthImage
 from .atomic import why_unreadable
 from .exr_files import exr_channels
@@ -125,7 +124,7 @@ def depth_channel(channels: Mapping[str, Array], path: Path) -> str:
         if clear:
             if len(clear) > 1:
                 text = f"{path}: several channels may be depth, {', '.join(clear)}: the first is taken; --depth-channel NAME chooses"
-                warnings.warn(text, InputWarning, stacklevel=2)
+                warn_of_input(text)
             return clear[0]
     if told := [name for name in names if re.search(r"(^|\.)(depth|distance)(\.[RY])?$", name, re.IGNORECASE)]:
         return told[0]

@@ -6,14 +6,13 @@ Poses are in OpenCV axes, in the unit of the file: millimetres for BOP.
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InputWarning, SettingsError
+from ..errors import SettingsError, warn_of_input
 from ..scene.camera import Camera
 from ..scene.projection import Size
 from .picture_files import picture_size
@@ -74,5 +73,5 @@ def _beside(path: Path, number: str) -> Size | None:
 def _twice(cx: float, cy: float, path: Path) -> Size:
     size = max(1, round(2 * cx)), max(1, round(2 * cy))
     text = f"{path}: does not say how large its images are: taken for {size[0]}x{size[1]}, whose middle is the principal point"
-    warnings.warn(text, InputWarning, stacklevel=3)
+    warn_of_input(text)
     return size

@@ -6,14 +6,13 @@ Poses are world-to-camera in OpenCV axes; quaternions are w, x, y, z.
 from __future__ import annotations
 
 import struct
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 
-from ..errors import InputWarning, SceneError, SettingsError
+from ..errors import SceneError, SettingsError, warn_of_input
 from ..io.atomic import why_unreadable
 from ..scene.camera import Camera
 from ..scene.lens import Pinhole
@@ -92,7 +91,7 @@ def _lens(model: str, width: int, height: int, numbers: tuple[float, ...], file:
     fx, fy, cx, cy = (numbers[0], *numbers[:3]) if single else numbers[:4]
     if any(numbers[3 if single else 4 :]):
         text = f"{file}: the lens's distortion ({model}) is not modelled; undistorted pictures fit"
-        warnings.warn(text, InputWarning, stacklevel=4)
+        warn_of_input(text)
     return Pinhole(fx, fy, cx, cy, width, height)
 
 

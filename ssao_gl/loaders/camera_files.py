@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputWarning, SceneError, SsaoError, near_miss, one_line
+from ..errors import SceneError, SsaoError, near_miss, one_line, warn_of_input
 from ..io.atomic import why_unreadable
 from ..scene.camera import Camera
 from ..scene.projection import Size
@@ -51,7 +50,7 @@ def load_camera(spec: str, size: Size | None = None) -> Camera:
     if not choice:
         if len(cameras) > 1:
             text = f"{name}: 1 of {len(cameras)} cameras: the first one, '{cameras[0].name}', is taken; choose by FILE:NAME"
-            warnings.warn(text, InputWarning, stacklevel=2)
+            warn_of_input(text)
         return cameras[0]
     names = [camera.name for camera in cameras]
     for known in (names, [Path(one).name for one in names], [Path(one).stem for one in names]):

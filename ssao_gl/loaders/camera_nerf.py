@@ -6,12 +6,11 @@ Keys are those of the original (Mildenhall et al. 2020, ``camera_angle_x``) and 
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputWarning, SettingsError
+from ..errors import SettingsError, warn_of_input
 from ..scene.camera import Camera
 from ..scene.projection import Size
 from .picture_files import picture_size
@@ -35,13 +34,13 @@ def read_transforms(content: Mapping[str, Any], path: Path, size: Size | None) -
         if facts.get("camera_model") in ("OPENCV_FISHEYE", "EQUIRECTANGULAR"):
             raise SettingsError(f"frame '{name}': a {facts['camera_model']} is no perspective camera")
         if any(float(facts.get(key) or 0) for key in DISTORTION):
-            _warn(f"{path}: the lens's distortion is not modelled; undistorted pictures fit")
+            warn_of_input(f"{path}: the lens's distortion is not modelled; undistorted pictures fit")
         if "w" in facts and "h" in facts:
             shown: Size | None = (int(facts["w"]), int(facts["h"]))
         else:
             shown = sizes.setdefault(True, _pictured(path.parent / name) or size)
         if shown is None:
-            _warn(f"{path}: does not say how large its pictures are, and they are not there: taken for square")
+            warn_of_input(f"{path}: does not say how large its pictures are, and they are not there: taken for square")
             shown = (1000, 1000)
         try:
             cameras.append(_camera(facts, shown, name))
@@ -65,7 +64,3 @@ def _camera(facts: Mapping[str, Any], size: Size, name: str) -> Camera:
 def _pictured(path: Path) -> Size | None:
     """Return the size of a frame's picture, whose suffix may be left out; None when it is not there."""
     return next((found for one in (path, path.with_name(path.name + ".png")) if (found := picture_size(one))), None)
-
-
-def _warn(text: str) -> None:
-    warnings.warn(text, InputWarning, stacklevel=3)

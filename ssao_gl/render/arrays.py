@@ -12,7 +12,7 @@ from ..errors import FormatError, SceneError, SettingsError
 from ..pipeline.build import EYE_DEPTH, WINDOW_DEPTH
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera
-from ..scene.depth_image import DepthImage
+from ..scene.depth_image import LEAST, MOST, DepthImage
 from ..scene.model import RADIUS_SHARE, Scene
 from ..scene.projection import Size
 
@@ -88,12 +88,13 @@ def check_arrays(
 
 
 def radius_of(depth: NDArray[np.float32], camera: Camera, kind: str, share: float = RADIUS_SHARE) -> float:
-    """Return an automatic radius for a depth image: a share of the extent of the middle 96 % of its points."""
-    if kind == "window":
+    """Return an automatic radius for a depth image: a share of the extent of the middle 96 % of its points.
+
+    ``kind``: as :func:`settled_depth` leaves it. Raises SettingsError for window depth, whose extent is not known here.
+    """
+    if kind == WINDOW_DEPTH:
         raise SettingsError("radius: window depth needs a radius in scene units; give --radius, or the method's radius")
-    if kind != "eye":
-        raise SettingsError(f"depth kind '{kind}'; must be 'eye' (distance along the view axis) or 'window' (0 to 1)")
-    usable = (depth > 2.0**-63) & (depth < 2.0**63)  # what linearize.frag takes for distances
+    usable = (depth > LEAST) & (depth < MOST)
     points = camera.view(depth.shape[::-1]).points(np.where(usable, depth, 0))[usable]
     if not len(points):
         return 1.0

@@ -5,14 +5,13 @@ The result is linear depth: distance along the view axis in scene units, float32
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import FormatError, InputWarning, SettingsError, one_line
+from ..errors import FormatError, SettingsError, one_line, warn_of_input
 from .camera import Camera
 from .depth_noise import denoise_depth
 
@@ -93,7 +92,9 @@ class DepthImage:
             z = _from_window(values / np.iinfo(raw.dtype).max if raw.dtype.kind in "iu" else values, camera)
         else:
             if self.scale is None and raw.dtype.kind in "iu":
-                _warn(f"depth is {raw.dtype} without a scale: one step is one scene unit (a scale of 0.001 reads millimetres)")
+                warn_of_input(
+                    f"depth is {raw.dtype} without a scale: one step is one scene unit (a scale of 0.001 reads millimetres)"
+                )
             z = _without_far_constant(_distances(values * (self.scale or 1.0), self.kind), self.background)
         z = np.where((z >= LEAST) & (z < MOST), z, 0.0)
         if self.kind == "ray":
@@ -126,7 +127,7 @@ class DepthImage:
         if self.empty == "refuse":
             raise FormatError(text)
         if self.empty == "warn":
-            _warn(text)
+            warn_of_input(text)
 
 
 def _plane(values: ArrayLike) -> NDArray[Any]:
@@ -179,7 +180,7 @@ def _distances(values: NDArray[np.float64], kind: str) -> NDArray[np.float64]:
                 else "is positive: depth kind 'eye' reads it"
             )
             raise FormatError(f"depth {advice} (all {count} values that are not background lie in {span})")
-        _warn(f"{count} of {values.size} depths have the wrong sign for depth kind '{kind}': taken as background")
+        warn_of_input(f"{count} of {values.size} depths have the wrong sign for depth kind '{kind}': taken as background")
     return -values if kind == "vtk" else values
 
 
@@ -199,7 +200,7 @@ def _without_far_constant(z: NDArray[np.float64], background: float | None) -> N
     limit = GAP * np.partition(rest, rest.size - 1 - mixed)[rest.size - 1 - mixed]
     if not LEAST < limit <= far:
         return z
-    _warn(
+    warn_of_input(
         f"{int(held.sum())} of {z.size} depths hold {far:g}, {GAP * far / limit:.3g} times as far as all others: taken as"
         " background (a background value of nan switches this off)"
     )
@@ -221,7 +222,7 @@ def _from_window(d: NDArray[np.float64], camera: Camera) -> NDArray[np.float64]:
         count, known = int(outside.sum()), int((np.isfinite(d) & (d != 0)).sum())
         if 2 * count > known:
             raise FormatError(f"depth kind 'window': {count} of {known} depths lie outside 0..1; are they distances (eye)?")
-        _warn(f"{count} of {known} window depths lie outside 0..1: taken as background")
+        warn_of_input(f"{count} of {known} window depths lie outside 0..1: taken as background")
     c = camera.view((w, h)).depth_constants
     u, v = np.meshgrid((np.arange(w) + 0.5) / w, 1 - (np.arange(h) + 0.5) / h)
     p = (u, v, d - c["u_depth_far"], 1.0)
@@ -249,7 +250,3 @@ def _told(raw: NDArray[Any]) -> str:
     finite = values[np.isfinite(values)]
     span = f"{finite.min():g} to {finite.max():g}" if finite.size else "no finite number"
     return f"{values.dtype}, {span}, {int(np.isnan(values).sum())} nan of {values.size}"
-
-
-def _warn(text: str) -> None:
-    warnings.warn(text, InputWarning, stacklevel=4)

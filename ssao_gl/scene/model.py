@@ -118,10 +118,15 @@ class Mesh:
         return None if cutoff is None or self.alpha_range[0] >= cutoff else cutoff
 
     @property
+    def is_placed(self) -> bool:
+        """Whether it has triangles and a place."""
+        return bool(len(self.triangles) and len(self.transforms))
+
+    @property
     def can_show(self) -> bool:
-        """Whether it has triangles and a place, and is not cut out as a whole."""
+        """Whether it is placed, and not cut out as a whole."""
         cutoff = self.cutoff
-        return bool(len(self.triangles) and len(self.transforms)) and (cutoff is None or self.alpha_range[1] >= cutoff)
+        return self.is_placed and (cutoff is None or self.alpha_range[1] >= cutoff)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +145,7 @@ class Scene:
     warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not any(len(draw.triangles) and len(draw.transforms) for draw in self.meshes):
+        if not any(mesh.is_placed for mesh in self.meshes):
             raise SceneError(f"{self.name or 'the scene'} has no triangles to draw")
 
     @classmethod
@@ -202,7 +207,7 @@ class Scene:
     @property
     def _extended(self) -> list[Mesh]:
         """What has an extent: all that is drawn; where that is nothing, all that has triangles."""
-        return list(self.drawn) or [mesh for mesh in self.meshes if len(mesh.triangles) and len(mesh.transforms)]
+        return list(self.drawn) or [mesh for mesh in self.meshes if mesh.is_placed]
 
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
