@@ -60,7 +60,7 @@ def timed(setup: ViewSetup, some: Mapping[str, Estimator], rounds: int, tick: Ti
 
 def errors(setup: ViewSetup, images: Iterable[F32]) -> list[dict[str, float]]:
     """Return every metric of several visibilities, on all cores."""
-    ready = setup.depth, setup.truth  # made here: cached properties are not for threads
+    ready = setup.zones, setup.truth  # made here: cached properties are not for threads
     del ready
     with ThreadPoolExecutor(threads()) as pool:
         return list(pool.map(setup.errors, images))

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..io import images
 from ..io.atomic import atomic_write, make_folder
+from ..metrics.zones import Zones
 from .sweep import folder_name, images_of
 
 WIDTH = 480
@@ -26,6 +27,10 @@ LEVELS = 65
 
 NOWHERE = (128, 128, 128)
 """Where there is no surface."""
+
+
+ZONE_COLORS = {"edge": (200, 48, 48), "crease": (240, 165, 40), "flat": (225, 228, 231)}
+"""sRGB of the zones in their map."""
 
 
 def indices(error: ArrayLike) -> NDArray[np.uint8]:
@@ -51,9 +56,19 @@ def reduced(image: NDArray[Any], width: int = WIDTH) -> NDArray[np.float64]:
     return np.asarray(parts.mean((1, 3)), np.float64)
 
 
-def save_truth(folder: Path, view: str, truth: NDArray[Any]) -> None:
-    """Write the truth of a view."""
+def zone_indices(zones: Zones, width: int = WIDTH) -> NDArray[np.uint8]:
+    """Places of zones in the palette of :data:`ZONE_COLORS`, then nowhere; of whole blocks the first pixel."""
+    block = -(-zones.flat.shape[1] // width)
+    names = list(ZONE_COLORS)
+    places = np.select([getattr(zones, name) for name in names], range(len(names)), len(names)).astype(np.uint8)
+    return places[::block, ::block]
+
+
+def save_truth(folder: Path, view: str, truth: NDArray[Any], zones: Zones) -> None:
+    """Write the truth of a view, and the map of its zones."""
     _save(folder, f"{folder_name(view)}-truth.png", images.to_bytes(reduced(truth)))
+    colors = np.array([*ZONE_COLORS.values(), NOWHERE], np.uint8)
+    _save(folder, f"{folder_name(view)}-zones.png", zone_indices(zones), colors)
 
 
 def save_method(

@@ -13,6 +13,7 @@ from ..io.atomic import why_unreadable
 from ..io.journal import Journal
 from .fit_track import fits
 from .points import MEDIAN, constants, method_hypervolume, points, size_text
+from .preset_order import preset_order
 from .statistics import mean
 from .steps import ESTIMATE
 from .sweep import BUDGETS, LIMITS, Sweep
@@ -84,6 +85,7 @@ def _at_size(found: Results, size: str) -> dict[str, Any]:
         "shipped": shipped,
         "shipped_held_out": points(rows[ESTIMATE], held, track="as shipped"),
         "fitted_held_out": points(rows["fitted"], held, track="fitted"),
+        "preset_order": preset_order(row for row in rows[ESTIMATE] if row["view"] in every),
         "hypervolume": {
             "worst": worst,
             "all": method_hypervolume([p for p in shipped if p["realtime"]], baseline, worst),

@@ -87,12 +87,12 @@ class WorkSteps:
             truth = setup.truth
             seen = truth.visibility[setup.depth > 0].astype(float)
             if view.name in self.shown:
-                pictures.save_truth(self.folder, view.name, truth.visibility)
+                pictures.save_truth(self.folder, view.name, truth.visibility, setup.zones)
             self.journal.add(
                 "view", view.name,
                 scene=view.scene, camera=view.camera.name, size=view.size, triangles=view.triangles, radius=setup.radius,
                 spp=truth.spp, rays=truth.rays, seconds=truth.seconds, cached=truth.cached, stderr=truth.noise,
-                covered=float(truth.covered.mean()), pixels=seen.size,
+                covered=float(truth.covered.mean()), pixels=seen.size, zones=setup.zones.shares(),
                 mean=float(seen.mean()) if seen.size else None, square=float((seen**2).mean()) if seen.size else None,
             )  # fmt: skip
 

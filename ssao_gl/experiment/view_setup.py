@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..gl.timer import PassTime
 from ..metrics import visibility as metrics
+from ..metrics.zones import Zones, zones_of
 from ..pipeline.settings import Settings
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
@@ -70,6 +71,20 @@ class ViewSetup:
         drawn = self.renderer.render(self.scene, self.camera, self.size, Settings(), aovs=("depth",)).depth
         return np.where(drawn > 0, self.truth.depth, 0).astype(np.float32)
 
+    @cached_property
+    def zones(self) -> Zones:
+        """Of the surface that the truth is about, by its depth and the normals about which its rays go."""
+        seen = self.surface
+        normals = np.zeros((*seen.depth.shape, 3))
+        normals[seen.covered] = (seen.shading if self.tracing.normals == "shading" else seen.normals) @ self.camera.pose[:3, :3]
+        return zones_of(seen.depth, normals, self.camera.view(self.size), self.radius, self.depth > 0)
+
+    @property
+    def stderr(self) -> F32 | None:
+        """(h, w), of the truth's pixels; None where it is not known: of a single batch of rays."""
+        truth = self.truth
+        return truth.stderr if truth.spp > truth.tracing.batches[0] else None
+
     def settled(self, settings: Settings, factor: float = 1.0) -> Settings:
         """Return ``settings`` with the radius that this view gives them, times ``factor``."""
         settings = settings.with_radius(self.radius)
@@ -92,7 +107,7 @@ class ViewSetup:
 
     def errors(self, visibility: NDArray[Any]) -> dict[str, float]:
         """Every metric against the truth."""
-        return metrics.measure(visibility, self.truth.visibility, self.depth)
+        return metrics.measure(visibility, self.truth.visibility, self.zones, stderr=self.stderr)
 
     def rmse(self, one: NDArray[Any], other: NDArray[Any]) -> float:
         """Between two visibilities (h, w), on the foreground."""

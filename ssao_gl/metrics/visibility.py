@@ -1,7 +1,6 @@
 """How far visibility is from the truth, in numbers. All on foreground pixels: background is 1 by definition.
 
-Arrays are (h, w) with row 0 on top; visibility in 0..1, 1 = open; depth is the distance along the view axis, 0 =
-background; masks are bool. The error is visibility minus truth. Where there is no pixel to measure the result is nan.
+Arrays are (h, w) with row 0 on top; visibility in 0..1, 1 = open; masks are bool. The error is visibility minus truth. Where there is no pixel to measure the result is nan.
 """
 
 from __future__ import annotations
@@ -14,19 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import FormatError
 from ..io.srgb import multiply
+from .blotches import blotches_in, noise_gain
 from .images import image_flip as flip_of
 from .images import image_psnr as psnr_of
 from .images import image_rmse as rmse_of
 from .images import image_ssim as ssim_of
+from .zones import ZONES, Zones
 
 F64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-
-EDGE_JUMP = 0.01
-"""A depth edge: depth departs by this share from what a plane through the neighbours would have."""
-
-EDGE_BAND = 4
-"""Half width of the band about depth edges, pixels."""
 
 BORDER_BAND = 32
 """Width of the band along the image's border, pixels. There a screen-space method lacks what lies outside."""
@@ -38,23 +33,27 @@ WHITE = 230
 """sRGB value of the plain picture that is dimmed when no colours are given."""
 
 
-def measure(visibility: ArrayLike, truth: ArrayLike, depth: ArrayLike, *, color: ArrayLike | None = None) -> dict[str, float]:
-    """Every metric of a visibility image (h, w) against its truth, with the depth (h, w) of what is seen.
+def measure(
+    visibility: ArrayLike, truth: ArrayLike, zones: Zones, *, stderr: ArrayLike | None = None, color: ArrayLike | None = None
+) -> dict[str, float]:
+    """Every metric of a visibility image (h, w) against its truth, in all of the zones of the view and in each.
 
-    color: (h, w, 3) uint8 sRGB that is dimmed for FLIP; a light grey without it. Keys: rmse, bias, p95, p99, max, psnr,
-    ssim, flip, noise, rmse_edges, rmse_interior, rmse_border. Raises FormatError for shapes that do not fit,
-    SettingsError when scikit-image or flip-evaluator is missing.
+    stderr: (h, w), standard errors of the truth, by which ``_net`` is less: ``sqrt(max(rmse^2 - mean(stderr^2), 0))``; nan
+    without it. color: (h, w, 3) uint8 sRGB that is dimmed for FLIP; a light grey without it. Keys: rmse, rmse_net, bias, p95,
+    p99, max, psnr, ssim, flip, noise, rmse_border, blotches, blotches_net, and of each zone rmse, rmse_net, bias and share: of
+    the squared error without the truth's noise, 0..1. Raises FormatError for shapes that do not fit, SettingsError when
+    scikit-image or flip-evaluator is missing.
     """
-    a, t, z = (np.asarray(x, np.float64) for x in (visibility, truth, depth))
-    if not (a.ndim == 2 and a.shape == t.shape == z.shape):
-        raise FormatError(f"measure: visibility {a.shape}, truth {t.shape} and depth {z.shape} must be (h, w) and agree")
-    seen = np.isfinite(z) & (z > 0)
+    a, t, seen = np.asarray(visibility, np.float64), np.asarray(truth, np.float64), zones.seen
+    s = np.full(seen.shape, np.nan) if stderr is None else np.asarray(stderr, np.float64)
+    if not (a.ndim == 2 and a.shape == t.shape == seen.shape == s.shape):
+        raise FormatError(f"measure: visibility {a.shape}, truth {t.shape} and zones {seen.shape} must be (h, w) and agree")
     if not (np.isfinite(a[seen]).all() and np.isfinite(t[seen]).all()):
         raise FormatError("measure: visibility or truth is not finite on the foreground")
     a, t = np.where(seen, a, 1.0), np.where(seen, t, 1.0)
-    edges = edge_band(z)
     return {
         "rmse": rmse(a, t, seen),
+        "rmse_net": net(rmse(a, t, seen), s, seen),
         "bias": bias(a, t, seen),
         "p95": percentile(a, t, seen, 95),
         "p99": percentile(a, t, seen, 99),
@@ -62,11 +61,35 @@ def measure(visibility: ArrayLike, truth: ArrayLike, depth: ArrayLike, *, color:
         "psnr": psnr(a, t, seen),
         "ssim": ssim(a, t, seen),
         "flip": flip(a, t, seen, color),
-        "noise": noise(a, t, z),
-        "rmse_edges": rmse(a, t, seen & edges),
-        "rmse_interior": rmse(a, t, seen & ~edges),
-        "rmse_border": rmse(a, t, seen & border_band(z.shape)),
+        "noise": noise(a, t, zones.flat),
+        "rmse_border": rmse(a, t, seen & border_band(seen.shape)),
+        "blotches": blotches(a, t, zones.flat),
+        "blotches_net": net(blotches(a, t, zones.flat), s, zones.flat, noise_gain()),
+        **_by_zone(a, t, s, zones),
     }
+
+
+def _by_zone(a: F64, t: F64, stderr: F64, zones: Zones) -> dict[str, float]:
+    """``rmse_edge``, ``rmse_edge_net``, ``bias_edge``, ``share_edge``, and so on: metrics of each zone."""
+    found: dict[str, float] = {}
+    squares = {}
+    for name in ZONES:
+        where = getattr(zones, name)
+        here = rmse(a, t, where)
+        clean = net(here, stderr, where)
+        squares[name] = where.sum() * clean**2 if where.any() else 0.0
+        found |= {f"rmse_{name}": here, f"rmse_{name}_net": clean, f"bias_{name}": bias(a, t, where)}
+    total = sum(squares.values())
+    return found | {f"share_{name}": float(one / total) if total else float("nan") for name, one in squares.items()}
+
+
+def net(error: float, stderr: F64, where: Mask, gain: float = 1.0) -> float:
+    """Return a root mean square error without the noise of the truth, ``sqrt(max(error^2 - gain mean(stderr^2), 0))``.
+
+    The truth's noise is independent of the method's error, so their squares add up. stderr: (h, w), of each pixel of the
+    truth. gain: the share of the noise's variance that ``error`` holds.
+    """
+    return float(np.sqrt(np.maximum(error**2 - gain * np.mean(stderr[where] ** 2), 0))) if where.any() else float("nan")
 
 
 def rmse(visibility: F64, truth: F64, where: Mask) -> float:
@@ -113,40 +136,26 @@ def flip(visibility: F64, truth: F64, where: Mask, color: ArrayLike | None = Non
     return flip_of(dimmed, right, where)
 
 
-def noise(visibility: F64, truth: F64, depth: F64) -> float:
+def noise(visibility: F64, truth: F64, flat: Mask) -> float:
     """Noise on flat areas: the root mean of the error's variance in windows of 5x5, ``sqrt(mean(var(a - t)))``.
 
-    Only windows that lie wholly on the foreground and touch no band about a depth edge. Taking the error's own mean out
-    of each window leaves what changes from pixel to pixel, and not the bias.
+    Only windows that lie wholly in the ``flat`` zone. Taking the error's own mean out of each window leaves what changes from
+    pixel to pixel, and not the bias.
     """
-    good = np.isfinite(depth) & (depth > 0) & ~edge_band(depth)
-    if min(depth.shape) < FLAT_WINDOW:
+    if min(flat.shape) < FLAT_WINDOW:
         return float("nan")
-    error, count = np.where(good, visibility - truth, 0.0), FLAT_WINDOW**2
-    inside = _box(good.astype(np.float64)) == count
+    error, count = np.where(flat, visibility - truth, 0.0), FLAT_WINDOW**2
+    inside = _box(flat.astype(np.float64)) == count
     variance = (_box(error**2) - _box(error) ** 2 / count)[inside] / (count - 1)
     return float(np.sqrt(np.maximum(variance, 0).mean())) if variance.size else float("nan")
 
 
-def edge_band(depth: ArrayLike, width: int = EDGE_BAND) -> Mask:
-    """(h, w): pixels within ``width`` of a depth edge, in each direction.
+def blotches(visibility: F64, truth: F64, flat: Mask) -> float:
+    """Blotches: root mean square, over the ``flat`` zone, of the error's part with wavelengths of 8 to 64 pixels.
 
-    A pixel is on an edge when the second difference of ``1 / z`` across it, along x or y, exceeds ``EDGE_JUMP / z``.
-    Under perspective ``1 / z`` of a plane is linear in the image, so steep floors are no edges; background is 0 there,
-    so silhouettes are.
+    See :mod:`.blotches` for the band.
     """
-    z = np.asarray(depth, np.float64)
-    far = ~(np.isfinite(z) & (z > 0))
-    inverse = np.where(far, 0.0, 1 / np.where(far, 1.0, z))
-    edge = np.zeros(z.shape, bool)
-    for axis in (0, 1):
-        if z.shape[axis] < 3:
-            continue
-        w = np.moveaxis(inverse, axis, 0)
-        # By the nearest of the three: the jump as a share of the nearer surface's depth, on both its sides.
-        nearest = np.maximum(np.maximum(w[:-2], w[1:-1]), w[2:])
-        np.moveaxis(edge, axis, 0)[1:-1] |= np.abs(w[:-2] - 2 * w[1:-1] + w[2:]) > EDGE_JUMP * nearest
-    return dilated(edge, width)
+    return float(np.sqrt(np.mean(blotches_in(visibility - truth, flat) ** 2))) if flat.any() else float("nan")
 
 
 def border_band(shape: tuple[int, ...], width: int = BORDER_BAND) -> Mask:
@@ -154,18 +163,6 @@ def border_band(shape: tuple[int, ...], width: int = BORDER_BAND) -> Mask:
     band = np.ones(shape, bool)
     band[width:-width, width:-width] = False
     return band
-
-
-def dilated(mask: Mask, width: int) -> Mask:
-    """Every pixel within ``width`` of a set one, along x and along y (a square)."""
-    for axis in (0, 1):
-        grown = mask.copy()
-        for step in range(1, min(width, mask.shape[axis] - 1) + 1):
-            a, b, out = (np.moveaxis(m, axis, 0) for m in (mask, mask, grown))
-            out[step:] |= a[:-step]
-            out[:-step] |= b[step:]
-        mask = grown
-    return mask
 
 
 def _of(metric: Callable[[Any, Any], float], visibility: F64, truth: F64, where: Mask) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..experiment.steps import ESTIMATE
-from .tables import KEYS
+from .columns import ALL_KEYS
 
 TRACKS = {ESTIMATE: "as shipped", "fitted": "fitted"}
 """Kind of a row -> its track."""
@@ -22,10 +22,30 @@ UNITS = {"psnr": "dB"}
 
 
 def rows_as_csv(found: Mapping[str, Any]) -> str:
-    """Return one line for each estimator in each view, in both tracks."""
-    head = [*SUBJECT, *KEYS, *(f"{name}_ms" for name in GROUPS), *(f"{name}_cpu_ms" for name in GROUPS)]
-    head += ["prepared_ms", "prepared_bytes", "baseline_ms", "baseline_cpu_ms", "radius_factor", "strength", "power", "refused"]
-    return _csv(head, ([*subject, *_cells(row)] for subject, row in _rows(found)))
+    """Return one line for each estimator in each view, in both tracks.
+
+    over_cheaper: by which share its RMSE is above (below 0: under) that of the best cheaper preset of its method there.
+    """
+    head = [*SUBJECT, *ALL_KEYS, *(f"{name}_ms" for name in GROUPS), *(f"{name}_cpu_ms" for name in GROUPS)]
+    head += [
+        "prepared_ms",
+        "prepared_bytes",
+        "baseline_ms",
+        "baseline_cpu_ms",
+        "radius_factor",
+        "strength",
+        "power",
+        "refused",
+        "over_cheaper",
+    ]
+    over = {(one["view"], one["variant"]): one["share"] for at in found["sizes"] for one in at["preset_order"]}
+    return _csv(
+        head,
+        (
+            [*subject, *_cells(row), over.get((row["view"], row["variant"])) if row["kind"] == ESTIMATE else None]
+            for subject, row in _rows(found)
+        ),
+    )
 
 
 def measurements_as_csv(found: Mapping[str, Any]) -> str:
@@ -53,7 +73,7 @@ def _rows(found: Mapping[str, Any]) -> Iterator[tuple[list[Any], Mapping[str, An
 
 def _cells(row: Mapping[str, Any]) -> list[Any]:
     times, baseline, scalars, prepared = (row.get(key) or {} for key in ("times", "baseline", "scalars", "prepared"))
-    cells = [row.get("errors", {}).get(key) for key in KEYS]
+    cells = [row.get("errors", {}).get(key) for key in ALL_KEYS]
     cells += [times.get(name, {}).get(clock, [None] * 3)[1] for clock in ("wall", "cpu") for name in GROUPS]
     cells += [prepared.get(name) for name in ("ms", "bytes")]
     cells += [baseline.get(clock, [None] * 3)[1] for clock in ("wall", "cpu")]
@@ -63,7 +83,7 @@ def _cells(row: Mapping[str, Any]) -> list[Any]:
 
 def _measurements(row: Mapping[str, Any]) -> Iterator[tuple[Any, ...]]:
     """Yield the values of one row, by :data:`MEASUREMENT`; what was not measured is no line."""
-    for key in KEYS:
+    for key in ALL_KEYS:
         if (value := row.get("errors", {}).get(key)) is not None:
             yield "error", key, "", "", UNITS.get(key, ""), value
     times = row.get("times") or {}

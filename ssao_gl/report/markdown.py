@@ -7,9 +7,10 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from .columns import Table, text
 from .facts import facts
 from .plots import Plot
-from .tables import Table, tables, text
+from .tables import tables
 
 
 def markdown(found: Mapping[str, Any], drawn: Sequence[Plot]) -> str:

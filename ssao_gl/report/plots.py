@@ -12,6 +12,10 @@ import numpy as np
 from ..errors import SettingsError
 from ..experiment.points import MEDIAN, PlotPoint, marked, time_and_error
 from ..experiment.scaling import AXES, exponents, series
+from ..experiment.statistics import mean
+from ..experiment.steps import ESTIMATE
+from ..metrics.zones import ZONES
+from .columns import by_variant
 from .labels import place_labels
 from .tables import split_means
 
@@ -51,6 +55,8 @@ def plots(found: Mapping[str, Any]) -> list[Plot]:
             rest = [p for p in at["shipped_held_out"] if p["label"] not in fitted]
             every = [*at["fitted_held_out"], *rest]
             made.append(_drawn(f"fitted-{size}", f"Error against time, {size}, fitted", _front(at, every, held_out=True)))
+        if any(p["errors"].get("rmse_net") for p in at["shipped"]):
+            made.append(_drawn(f"zones-{size}", f"Squared error by zone, {size}", _zones(at, found)))
         made.append(_drawn(f"passes-{size}", f"Time per pass, {size}", _passes(at)))
     if any("model" in row for row in found["rows"]["split"]):
         made.append(_drawn("split", "Error split: model, sampling, filter", _split(found)))
@@ -195,6 +201,26 @@ def _passes(at: Mapping[str, Any]) -> Callable[[Any], None]:
         axes.set_xlabel("milliseconds after the G-buffer (means over views of medians)")
         figure.legend(loc="outside right upper", frameon=False, fontsize=9)
         figure.set_figheight(1.4 + 0.3 * len(points))
+
+    return draw
+
+
+def _zones(at: Mapping[str, Any], found: Mapping[str, Any]) -> Callable[[Any], None]:
+    grouped = by_variant(row for row in found["rows"][ESTIMATE] if "errors" in row and row["view"] in at["views"])
+
+    def part(rows: Sequence[Mapping[str, Any]], zone: str) -> float:
+        """Return what a zone adds to the mean squared error, mean over views."""
+        return 1e3 * (
+            mean([(row["errors"][f"share_{zone}"] or 0) * (row["errors"]["rmse_net"] or 0) ** 2 for row in rows]) or 0
+        )
+
+    def draw(figure: Any) -> None:
+        axes = figure.add_subplot()
+        parts = {zone: [part(rows, zone) for rows in grouped.values()] for zone in ZONES}
+        _bars(axes, list(grouped), parts, stacked=True)
+        axes.set_xlabel("mean squared error without the truth's noise, times 1000 (mean over views)")
+        figure.legend(loc="outside right upper", frameon=False, fontsize=9)
+        figure.set_figheight(1.4 + 0.3 * len(grouped))
 
     return draw
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 from ..experiment import pareto
@@ -11,65 +10,8 @@ from ..experiment.points import MEDIAN, PlotPoint, size_text, time_and_error
 from ..experiment.scaling import AXES, exponents
 from ..experiment.statistics import mean
 from ..experiment.steps import ESTIMATE
-
-Cell = str | float | None
-
-
-@dataclass(frozen=True, slots=True)
-class Column:
-    """A heading, how its numbers are written (a format spec) and what it means."""
-
-    title: str
-    spec: str = ""
-    help: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """Cells are texts or numbers, None where there is nothing."""
-
-    title: str
-    note: str
-    columns: Sequence[Column]
-    rows: Sequence[Sequence[Cell]]
-    marked: Sequence[bool] = ()
-    """Whether each row stands out: what is on the Pareto front, say. Empty: none does."""
-
-
-ERRORS = (
-    Column("RMSE", ".4f", "root mean square error against rays, foreground"),
-    Column("bias", "+.4f", "mean error; above 0 is too bright"),
-    Column("p95", ".3f", "error that 95 % of the pixels stay below"),
-    Column("p99", ".3f", "error that 99 % of the pixels stay below"),
-    Column("max", ".3f", "largest error"),
-    Column("PSNR", ".1f", "dB"),
-    Column("SSIM", ".3f", "structural similarity"),
-    Column("FLIP", ".3f", "of the dimmed picture"),
-    Column("noise", ".4f", "pixel to pixel, on flat areas"),
-    Column("edges", ".4f", "RMSE within 4 pixels of depth edges"),
-    Column("interior", ".4f", "RMSE elsewhere"),
-    Column("border", ".4f", "RMSE within 32 pixels of the image's border"),
-)
-KEYS = ("rmse", "bias", "p95", "p99", "max", "psnr", "ssim", "flip", "noise", "rmse_edges", "rmse_interior", "rmse_border")
-
-COSTS = (
-    Column("ms", ".1f", "wall or GPU time of all passes after the G-buffer"),
-    Column("CPU ms", ".1f", "of all threads"),
-    Column("× baseline", ".2f", "multiple of the lecture's 4-tap pass alone, by wall or GPU time"),
-    Column("× by CPU", ".2f", "the same by CPU time"),
-)
-
-PREPARED = (
-    Column("prepared ms", ".1f", "once for a view, before its first frame, and in no other column: a tree of the scene, say"),
-    Column("prepared MiB", ".1f", "what that keeps in memory"),
-)
-
-
-def text(cell: Cell, spec: str = "") -> str:
-    """Return a cell as it is shown; nothing is a dash."""
-    if cell is None:
-        return "–"
-    return cell if isinstance(cell, str) else format(cell, spec or ".4g")
+from .columns import COSTS, ERRORS, KEYS, PREPARED, Cell, Column, Table, by_variant, text
+from .zone_tables import zone_tables
 
 
 def tables(found: Mapping[str, Any]) -> list[Table]:
@@ -79,7 +21,8 @@ def tables(found: Mapping[str, Any]) -> list[Table]:
         made += [_methods(at), _equal_time(found, at), _equal_error(found, at), _hypervolume(at)]
         made += [_fitted(found, at)] if at["fitted_held_out"] else []
         made += [_passes(at, found)]
-    made += [_split(found), _rules(found), _scaling(found), _views(found), _truth(found), _refused(found)]
+    made += zone_tables(found)
+    made += [_split(found), _rules(found), _scaling(found), _truth(found), _refused(found)]
     return [table for table in made if table.rows]
 
 
@@ -173,7 +116,7 @@ def _fitted(found: Mapping[str, Any], at: Mapping[str, Any]) -> Table:
 def _passes(at: Mapping[str, Any], found: Mapping[str, Any]) -> Table:
     rows: list[list[Cell]] = []
     timed = [row for row in found["rows"][ESTIMATE] if row["view"] in at["views"] and "times" in row]
-    for label, some in _grouped(timed).items():
+    for label, some in by_variant(timed).items():
         for name in dict.fromkeys(name for row in some for name in row["times"]["passes"]):
             ones = [row["times"]["passes"][name] for row in some if name in row["times"]["passes"]]
             quarters = [mean([one["wall"][i] for one in ones]) for i in (0, MEDIAN, 2)]
@@ -191,7 +134,7 @@ SPLIT = ("model", "sampling", "estimator", "filter", "raw", "final")
 
 def split_means(found: Mapping[str, Any]) -> dict[str, dict[str, float | None]]:
     """Return label -> part of the error -> its mean over views."""
-    grouped = _grouped(row for row in found["rows"]["split"] if "model" in row)
+    grouped = by_variant(row for row in found["rows"]["split"] if "model" in row)
     return {label: {part: mean([row[part] for row in some]) for part in SPLIT} for label, some in grouped.items()}
 
 
@@ -244,14 +187,6 @@ def _rules(found: Mapping[str, Any]) -> Table:
     return Table("What was left out", note, columns, rows)
 
 
-def _views(found: Mapping[str, Any]) -> Table:
-    grouped = _grouped(found["rows"][ESTIMATE])
-    labels = list(grouped)
-    cells = {(label, row["view"]): row["errors"]["rmse"] for label, some in grouped.items() for row in some if "errors" in row}
-    rows = [[view["view"], *(cells.get((label, view["view"])) for label in labels)] for view in found["rows"]["view"]]
-    return Table("RMSE by view", "As shipped.", (Column("view"), *(Column(label, ".4f") for label in labels)), rows)
-
-
 def _truth(found: Mapping[str, Any]) -> Table:
     rows = [
         [
@@ -265,17 +200,11 @@ def _truth(found: Mapping[str, Any]) -> Table:
         Column("mean visibility", ".4f"), Column("rays a pixel", ".0f"), Column("standard error", ".4f", "of a pixel, root mean square"),
         Column("million rays", ",.1f"), Column("seconds", ".1f"), Column("million rays/s", ".2f"),
     )  # fmt: skip
-    return Table("Truth", "Rays by Embree. Its standard error is part of every error above.", columns, rows)
+    return Table(
+        "Truth", "Rays by Embree. Its standard error is part of every error that is not said to be net of it.", columns, rows
+    )
 
 
 def _refused(found: Mapping[str, Any]) -> Table:
     rows = [[row["variant"], row["view"], row["refused"]] for row in found["rows"][ESTIMATE] if "refused" in row]
     return Table("Not measured", "Views that a method refuses.", (Column("variant"), Column("view"), Column("reason")), rows)
-
-
-def _grouped(rows: Iterable[Mapping[str, Any]]) -> dict[str, list[Mapping[str, Any]]]:
-    """Rows by the label of their estimator."""
-    found: dict[str, list[Mapping[str, Any]]] = {}
-    for row in rows:
-        found.setdefault(row["variant"], []).append(row)
-    return found

@@ -12,6 +12,7 @@ import pytest
 from ssao_gl.cli import main
 from ssao_gl.experiment.culling_rules import subjects
 from ssao_gl.experiment.run import Run
+from ssao_gl.metrics.zones import ZONES
 
 pytest.importorskip("embreex")
 pytest.importorskip("matplotlib")
@@ -59,7 +60,7 @@ def test_all_files_are_there_and_tell_the_same(folder: Path) -> None:
     assert [line["track"] for line in lines] == ["as shipped"] * 6 + ["fitted"] * 2
     for label in labels:
         assert label in (folder / "report.md").read_text()
-    for name in ("front-64x36", "front-cpu-64x36", "fitted-64x36", "passes-64x36", "split"):
+    for name in ("front-64x36", "front-cpu-64x36", "fitted-64x36", "zones-64x36", "passes-64x36", "split"):
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG") and "<svg" in (folder / f"{name}.svg").read_text()
 
 
@@ -112,6 +113,30 @@ def test_errors_are_sound(folder: Path) -> None:
     assert fitted["alchemy low"] <= error["alchemy low"] + 1e-3  # one scene: it is fitted where it is measured
 
 
+def test_where_the_error_is(folder: Path) -> None:
+    """In every file: zones of each estimator in each view, and the order of presets."""
+    results = json.loads((folder / "results.json").read_text())
+    (view,) = results["rows"]["view"]
+    assert sum(view["zones"].values()) == pytest.approx(1) and view["zones"]["edge"] > 0
+    for row in [*results["rows"]["estimate"], *results["rows"]["fitted"]]:
+        errors = row["errors"]
+        assert sum(errors[f"share_{zone}"] for zone in ZONES) == pytest.approx(1)
+        assert errors["rmse_net"] <= errors["rmse"] and errors["rmse_flat_net"] <= errors["rmse_flat"] < errors["rmse_edge"]
+        squares = sum(view["zones"][zone] * errors[f"rmse_{zone}"] ** 2 for zone in ZONES)
+        assert squares == pytest.approx(errors["rmse"] ** 2)
+    order = {one["variant"]: one for one in results["sizes"][0]["preset_order"]}
+    assert order["rays 8"]["cheaper"].startswith("rays") and order["rays 8"]["share"] < 0
+    with (folder / "results.csv").open() as file:
+        lines = {line["variant"]: line for line in csv.DictReader(file) if line["track"] == "as shipped"}
+    assert float(lines["rays 8"]["over_cheaper"]) == order["rays 8"]["share"] and not lines["alchemy low"]["over_cheaper"]
+    assert float(lines["rays 8"]["rmse_edge_net"]) >= 0
+    for name in ("report.md", "report.html", "report.tex"):
+        text = (folder / name).read_text()
+        for title in ("Where the error is, 64x36", "Presets in order, 64x36", "Where the error is, by view"):
+            assert title in text, (name, title)
+    assert 'alt="zones"' in (folder / "report.html").read_text()
+
+
 def test_what_is_prepared_stands_apart_from_frames(folder: Path) -> None:
     """Rays keep a tree of the scene; methods of the screen keep nothing of it."""
     points = json.loads((folder / "results.json").read_text())["sizes"][0]["shipped"]
@@ -142,7 +167,7 @@ def test_rules_are_shown_on_and_off(folder: Path) -> None:
 def test_the_page_needs_nothing_else(folder: Path) -> None:
     page = (folder / "report.html").read_text()
     assert not re.search(r'(?:src|href)="(?!data:|#)', page) and "url(" not in re.sub(r"url\(#[\w-]+\)", "", page)
-    assert not re.search(r"@\w+@", page) and page.count("<svg") == 5
+    assert not re.search(r"@\w+@", page) and page.count("<svg") == 6
     assert page.count('class="pictures trio"') == 4 and "upper bound of what fitting gives" in page
 
 
