@@ -129,6 +129,14 @@ class GateOptions:
     max_regression: Annotated[
         float, Parameter(help="Exit with 1 when a mean RMSE grew by more than this share, beyond the noise.")
     ] = 0.02
+    max_view_regression: Annotated[
+        float | None,
+        _option(
+            "Exit with 1 when RMSE grew by more than this share in any single view. [default: no limit]",
+            GATE,
+            "--max-view-regression",
+        ),
+    ] = None
     max_slowdown: Annotated[
         float | None,
         _option("The same for times as multiples of the baseline. [default: no limit]", GATE, "--max-slowdown"),
@@ -202,17 +210,24 @@ def _measured(sweep: Sweep, gl: str, output: Path, cache: Path) -> dict[str, Any
 
 
 def _compare(before: dict[str, object], after: dict[str, object], gate: GateOptions) -> int:
-    from ..report.compare import changes, regressions
+    from ..report.columns import text
+    from ..report.compare import changes, regressions, unlike, view_changes, view_regressions
+    from ..report.compare_tables import comparison_tables
     from .output import print_table
 
-    found = changes(before, after)
-    if not found:
+    views = view_changes(before, after)
+    if not views:
         raise FormatError("the two reports share no view and variant; there is nothing to compare")
-    columns = ("variant", "what", "views", "before", "after", "change", "95 % of resamplings", "verdict")
-    print_table("Change between the reports, paired over views", columns, [change.cells() for change in found])
-    worse = regressions(found, gate.max_regression, gate.max_slowdown)
+    found = changes(views)
+    for table in comparison_tables(found, views):
+        rows = [[text(cell, column.spec) for cell, column in zip(row, table.columns, strict=True)] for row in table.rows]
+        print_table(f"{table.title}. {table.note}", [column.title for column in table.columns], rows)
+    if differing := unlike(before, after):
+        say(f"the two reports differ in {', '.join(differing)}, too; what changed may come from that")
+    worse = [one.describe() for one in regressions(found, gate.max_regression, gate.max_slowdown)]
+    worse += [one.describe() for one in view_regressions(views, gate.max_view_regression)]
     for change in worse:
-        say(f"worse than the limit: {change.describe()}")
+        say(f"worse than the limit: {change}")
     return 1 if worse else 0
 
 

@@ -192,6 +192,20 @@ def test_the_gate(folder: Path, tmp_path: Path) -> None:
     assert codes == [1, 0]
 
 
+def test_the_gate_of_single_views(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    results = json.loads((folder / "results.json").read_text())
+    results["rows"]["estimate"][0]["errors"]["rmse"] *= 1.015
+    worse = tmp_path / "worse.json"
+    worse.write_text(json.dumps(results))
+    codes = []
+    for more in ([], ["--max-view-regression", "0.01"], ["--max-view-regression", "0.02"]):
+        with pytest.raises(SystemExit) as left:
+            main(["report", "--compare", str(folder / "results.json"), str(worse), *more])
+        codes.append(left.value.code)
+    said = " ".join(capsys.readouterr().out.split())
+    assert codes == [0, 1, 0] and "RMSE is better in 0 of 6 pairs of view and variant, worse in 1; the other 5" in said
+
+
 def test_results_of_another_format_are_refused(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     old = tmp_path / "old.json"
     old.write_text(json.dumps({**json.loads((folder / "results.json").read_text()), "format": "ssao_gl report 1"}))
