@@ -11,7 +11,7 @@ TOLERANCE = 0.03
 """A preset is out of order in a view where its RMSE is above that of a cheaper one by more than this share."""
 
 CLEARLY = 0.75
-"""A preset is cheaper than another when it is faster in this share of the views of both: one that noise decides is neither."""
+"""A preset is cheaper than another when it is faster in at least this share of their common views: what noise decides is neither."""
 
 ByView = Mapping[str, PointRow]
 

@@ -76,7 +76,7 @@ def _order(at: Mapping[str, Any]) -> Table:
         Column("largest change", "+.1%", "of RMSE, to the best cheaper preset; above 0 is worse"), Column("against"), Column("in view"),
     )  # fmt: skip
     note = (
-        f"Each preset against the best of its method's cheaper ones: those that are faster in {CLEARLY:.0%} of the views. Out of"
+        f"Each preset against the best of its method's cheaper ones: those that are faster in at least {CLEARLY:.0%} of the views. Out of"
         f" order: its RMSE is higher by more than {TOLERANCE:.0%}."
     )
     return Table(f"Presets in order, {at['size']}", note, columns, rows)
