@@ -1,5 +1,8 @@
 // One axis of a joint bilateral filter: taps weigh by how well they lie in the tangent plane of the pixel.
 // Along the axis, n . P is (a + i b) z + i d with a, b, d constant for the pixel: no position is rebuilt for a tap.
+//
+// NARROW: where not all taps lie in the plane, at creases and edges, visibility is steep, and a wide filter flattens it. There
+// the taps up to NARROW count alone; their part of the noise tile is stratified in itself.
 #needs es300
 #include "lib/precision.glsl"
 #include "lib/view.glsl"
@@ -19,16 +22,36 @@ uniform vec2 u_step;          // and as uv of the image
 uniform LOW float u_weights[RADIUS + 1];
 uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w = 1)
 
+// What the taps sum up to.
+struct SsaoTaps {
+    SsaoSum sum;
+#ifdef NARROW
+    SsaoSum narrow;
+    LOW float least;  // of how well they lie in the plane
+#endif
+};
+
 // Add a tap i texels along the axis. Background (depth 0) weighs nothing.
 // line is (a, b, d) and plane the plane's own distance, both in units of the tolerance.
-void ssao_tap(inout SsaoSum sum, vec2 uv, float i, LOW float weight, vec3 line, float plane) {
+void ssao_tap(inout SsaoTaps taps, vec2 uv, float i, vec3 line, float plane) {
     vec2 place = uv + i * u_next;
     vec2 tap = ssao_unpack(SAMPLE(u_packed, place).r);
     float off = abs((line.x + i * line.y) * tap.y + i * line.z - plane);
     LOW float fits = tap.y > 0.0 ? clamp(2.0 - off, 0.0, 1.0) : 0.0;
-    sum.open += vec2(tap.x, 1.0) * (fits * weight);
+    LOW float weight = fits * u_weights[int(abs(i))];
+    taps.sum.open += vec2(tap.x, 1.0) * weight;
 #ifdef BENT
-    sum.lost += SAMPLE(u_lost, place).xyz * (fits * weight);
+    vec3 lost = SAMPLE(u_lost, place).xyz;
+    taps.sum.lost += lost * weight;
+#endif
+#ifdef NARROW
+    taps.least = min(taps.least, fits);
+    if (abs(i) > float(NARROW)) return;
+    weight = abs(i) < float(NARROW) ? fits : 0.5 * fits;  // as of a tile 2 NARROW wide
+    taps.narrow.open += vec2(tap.x, 1.0) * weight;
+#ifdef BENT
+    taps.narrow.lost += lost * weight;
+#endif
 #endif
 }
 
@@ -42,12 +65,24 @@ void main() {
 #endif
     line *= u_per_pixel / max(ssao_w(here.y), 1e-30);
     float plane = line.x * here.y;
-    SsaoSum sum = ssao_nothing();
-    sum.open = vec2(here.x, 1.0) * u_weights[0];
+    SsaoTaps taps;
+    taps.sum = ssao_nothing();
+    taps.sum.open = vec2(here.x, 1.0) * u_weights[0];
 #ifdef BENT
-    sum.lost = SAMPLE(u_lost, uv).xyz * u_weights[0];
+    taps.sum.lost = SAMPLE(u_lost, uv).xyz * u_weights[0];
 #endif
-#repeat RADIUS ssao_tap(sum, uv, float(@ + 1), u_weights[@ + 1], line, plane); ssao_tap(sum, uv, -float(@ + 1), u_weights[@ + 1], line, plane);
+#ifdef NARROW
+    taps.narrow = taps.sum;
+    taps.least = 1.0;
+#endif
+#repeat RADIUS ssao_tap(taps, uv, float(@ + 1), line, plane); ssao_tap(taps, uv, -float(@ + 1), line, plane);
+    SsaoSum sum = taps.sum;
+#ifdef NARROW
+    sum.open = mix(taps.narrow.open, sum.open, taps.least);
+#ifdef BENT
+    sum.lost = mix(taps.narrow.lost, sum.lost, taps.least);
+#endif
+#endif
     float visibility = sum.open.x / sum.open.y;
 #ifdef LAST
     frag_color = vec4(here.y > 0.0 ? visibility : 1.0);

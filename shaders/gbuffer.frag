@@ -20,7 +20,9 @@ uniform float u_cutoff;  // alpha below which there is no surface
 #endif
 #ifdef BEHIND
 uniform sampler2D u_front;  // linear depth of the first layer
-uniform vec2 u_texel;
+uniform float u_gap;        // between the layers at least, scene units
+uniform vec2 u_step;        // one texel of the target, as uv of the image
+uniform float u_scale;      // pixels along each side of it
 #endif
 #ifdef LOG_DEPTH
 uniform vec2 u_log;  // 1 / near, 1 / log2(far / near)
@@ -43,8 +45,11 @@ layout(location = COLOR) out vec4 out_color;
 
 void main() {
 #ifdef BEHIND
-    // Depth peeling (Everitt 2001): only what lies behind the first layer by more than its own rounding.
-    if (-v_position.z <= SAMPLE(u_front, gl_FragCoord.xy * u_texel).r * (1.0 + 1e-5)) discard;
+    // Depth peeling (Everitt 2001): only what lies behind the first layer by the gap, and by more than its own rounding. What
+    // lies nearer is within the slab of the first (Mara et al., "Deep G-Buffers for Stable Global Illumination", 2016).
+    // The middle of a pixel, where rounding decides nothing.
+    vec2 place = (floor(gl_FragCoord.xy) + (floor(0.5 * u_scale) + 0.5) / u_scale) * u_step;
+    if (-v_position.z <= SAMPLE(u_front, place).r * (1.0 + 1e-5) + u_gap) discard;
 #endif
 #ifdef LOG_DEPTH
     gl_FragDepth = log2(max(-v_position.z * u_log.x, 1.0)) * u_log.y;

@@ -1,4 +1,4 @@
-// Which blocks are open: where all that is within the radius lies on or behind the tangent plane of every pixel of the block,
+// Which blocks are open: where all that is near enough to count lies on or behind the tangent plane of every pixel of the block,
 // or so little above it that it hides no sector. Conservative, from the bounds of blocks (bounds.frag) alone.
 //
 // A point of nearness A, so many pixels from one whose tangent plane has the nearness g there, stands above that plane by
@@ -12,7 +12,8 @@ uniform sampler2D u_bounds;
 uniform sampler2D u_spread;
 uniform vec2 u_block_texel;   // 1 / size of the image of blocks
 uniform vec2 u_blocks;        // that size
-uniform float u_radius;       // scene units
+uniform float u_radius;       // of the taps on the image, scene units
+uniform float u_farthest;     // of what darkens: a tap may meet something that is farther away, scene units
 uniform float u_max_radius;   // pixels
 uniform float u_pixel;        // size of a pixel at w = 1, its smaller side, scene units
 
@@ -34,7 +35,7 @@ vec2 ssao_depths(float low, float high) {
     return u_w.x > 0.0 ? 1.0 / max(vec2(high, low), 1e-30) : -vec2(high, low);
 }
 
-// Whether all of another block, so many pixels aside, is farther away than the radius: its rays of sight pass that far, and
+// Whether all of another block, so many pixels aside, is too far away to count: its rays of sight pass that far, and
 // along them it is that much nearer to the viewer.
 bool ssao_beyond(SsaoBlock block, vec4 other, float between) {
     float lean = 0.5 * float(BLOCK) * (abs(other.x) + abs(other.y));
@@ -42,7 +43,7 @@ bool ssao_beyond(SsaoBlock block, vec4 other, float between) {
     float across = u_pixel * ssao_w(depths.x) * between / block.slant;
     float drift = u_pixel * ssao_w(depths.y) * (between + 3.0 * float(BLOCK)) * length(block.ray.xy) / length(block.ray);
     float along = max(0.0, (block.nearest - depths.y) * length(block.ray) - drift);
-    return across * across + along * along > 1.02 * u_radius * u_radius;
+    return across * across + along * along > 1.02 * u_farthest * u_farthest;
 }
 
 // Whether the block at offset blocks from this one may hide something from it.
@@ -81,7 +82,7 @@ void main() {
         vec2 across = (block.bounds.xy * u_size) * inverse(parallel ? u_org : u_ray);
         float tilt = length(vec3(across, dot(across, block.ray.xy) - (parallel ? 1.0 : block.bounds.w)));
         float pixel = u_pixel * ssao_w(depths.x);
-        block.allowed = LEVEL * pixel / block.slant * tilt / (parallel ? 1.0 : depths.y + u_radius);
+        block.allowed = LEVEL * pixel / block.slant * tilt / (parallel ? 1.0 : depths.y + u_farthest);
         float reach = min(u_radius * block.slant / max(pixel, 1e-30), u_max_radius) + 2.0;
         int n = int(ceil((reach - 1.0) / float(BLOCK)));
         vec2 first = max(vec2(-n), 0.5 - block.here), last = min(vec2(n), u_blocks - 0.5 - block.here);

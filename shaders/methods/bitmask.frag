@@ -1,5 +1,8 @@
 // Visibility bitmask over slices of the hemisphere: each tap sets the bits that a slab behind its texel hides. The bits are
 // of equal cosine-weighted measure (lib/slice.glsl), so counting them is the slice integral.
+//
+// VEIL: what lies behind a texel and behind its slab no depth buffer knows. All sectors from its front to the edge of the
+// hemisphere are its veil, and are hidden in part. Sectors are counted by the shares in u_shares.
 #needs es300
 #include "lib/view.glsl"
 #include "lib/normal.glsl"
@@ -20,6 +23,7 @@
 uniform sampler2D u_z;
 #ifdef SECOND_LAYER
 uniform sampler2D u_z2;
+uniform vec2 u_behind_texel;  // one pixel, as uv of u_z2
 #endif
 uniform sampler2D u_noise;    // (cos, sin) of the first slice's direction, place of the taps between their steps
 uniform float u_noise_width;  // pixels
@@ -27,6 +31,9 @@ uniform float u_per_radius;   // 1 / scene units
 uniform vec2 u_thickness;     // of slabs, in radii: constant part, and share of the way to the next tap
 uniform float u_max_radius;   // pixels
 uniform vec2 u_next_slice;    // (cos, sin) of the angle between slices
+#ifdef VEIL
+uniform vec3 u_shares;        // by which a sector is hidden: of slabs, of the near veil and of the far veil; a hidden one is in all three
+#endif
 
 // What all taps of a slice have in common. Lengths are in radii, offsets on the image in pixels.
 struct SsaoSweep {
@@ -47,10 +54,18 @@ struct SsaoSweep {
 // What the taps of a slice have hidden so far.
 struct SsaoHidden {
     uint bits;
+#ifdef VEIL
+    uint near, far;  // the veils
+#endif
 #ifdef FALLOFF
     float sum;  // of them, by how much they count
 #endif
 };
+
+#ifdef VEIL
+// How far away a texel may be whose veil counts, in radii, and squared.
+const float SSAO_NEAR_VEIL2 = 2.25, SSAO_FAR_VEIL2 = 9.0;
+#endif
 
 // What rises more steeply from tap to tap (to the viewer, over aside) is taken for the edge of something, not for a slope.
 const float SSAO_STEEP = 3.0;
@@ -73,7 +88,13 @@ void ssao_hide(SsaoSweep w, vec2 offset, float z, float side, float thickness, f
     float far = ssao_u(w.slice, front - vec2(0.0, thickness), side);
     uint bits = side > 0.0 ? ssao_bits(near, far) : ssao_bits(far, near);
     // At the border a tap may be the pixel itself, whose depth in a smaller target is not the same to the last bits.
-    bits = z > 0.0 && distance2 < 1.0 && front.x * side > 0.0 && offset != vec2(0.0) ? bits : 0u;
+    bool aside = z > 0.0 && front.x * side > 0.0 && offset != vec2(0.0);
+#ifdef VEIL
+    uint veil = side > 0.0 ? ssao_bits(near, 1.0) : ssao_bits(0.0, near);
+    hidden.near |= aside && distance2 < SSAO_NEAR_VEIL2 ? veil : 0u;
+    hidden.far |= aside && distance2 < SSAO_FAR_VEIL2 ? veil : 0u;
+#endif
+    bits = aside && distance2 < 1.0 ? bits : 0u;
 #ifdef FALLOFF
     // Outwards, the first tap to hide a sector is what a ray there meets first.
     hidden.sum += ssao_count(bits & ~hidden.bits) * ssao_rho(sqrt(min(distance2, 1.0)));
@@ -85,10 +106,10 @@ void ssao_texel(
     SsaoSweep w, vec2 way, float side, float thickness, float ahead, inout vec4 last, inout SsaoHidden hidden
 ) {
     vec2 offset = floor(way + 0.5);  // free of where the pixel lies, so a picture in tiles has the taps of a whole one
-    vec2 tap = (w.at + offset) * u_texel;
-    ssao_hide(w, offset, SAMPLE(u_z, tap).r * u_per_radius, side, thickness, ahead, last.xy, hidden);
+    vec2 tap = w.at + offset;
+    ssao_hide(w, offset, SAMPLE(u_z, tap * u_texel).r * u_per_radius, side, thickness, ahead, last.xy, hidden);
 #ifdef SECOND_LAYER
-    ssao_hide(w, offset, SAMPLE(u_z2, tap).r * u_per_radius, side, thickness, ahead, last.zw, hidden);
+    ssao_hide(w, offset, SAMPLE(u_z2, tap * u_behind_texel).r * u_per_radius, side, thickness, ahead, last.zw, hidden);
 #endif
 }
 
@@ -126,6 +147,24 @@ vec2 ssao_directions(uint bits, float sin_gamma) {
 }
 #endif
 
+// How many sectors are hidden. Within a slab a hit is known, and with a falloff how near it is; a veil knows no distance, and
+// its hits count as much as those at all distances within the radius do on average.
+float ssao_hidden(SsaoHidden hidden) {
+#ifdef FALLOFF
+    float known = hidden.sum;
+#else
+    float known = ssao_count(hidden.bits);
+#endif
+#if defined(VEIL) && defined(FALLOFF)
+    vec2 veils = vec2(ssao_count(hidden.near & ~hidden.bits), ssao_count(hidden.far & ~hidden.bits));
+    return (u_shares.x + u_shares.y + u_shares.z) * known + SSAO_MEAN_RHO * dot(u_shares.yz, veils);
+#elif defined(VEIL)
+    return u_shares.x * known + dot(u_shares.yz, vec2(ssao_count(hidden.near), ssao_count(hidden.far)));
+#else
+    return known;
+#endif
+}
+
 // Add the slice in direction turn.
 void ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset, inout SsaoSum sum) {
     vec3 along = ssao_along(v, turn);
@@ -151,6 +190,9 @@ void ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset, inout 
     vec4 plus = vec4(0.0), minus = vec4(0.0);
     SsaoHidden hidden;
     hidden.bits = 0u;
+#ifdef VEIL
+    hidden.near = hidden.far = 0u;
+#endif
 #ifdef FALLOFF
     hidden.sum = 0.0;
 #endif
@@ -159,16 +201,18 @@ void ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset, inout 
 #else
 #repeat STEPS ssao_step(w, float(@), plus, minus, hidden);
 #endif
-#ifdef FALLOFF
-    float count = hidden.sum;
-#else
-    float count = ssao_count(hidden.bits);
-#endif
+    float count = ssao_hidden(hidden);
     sum.open += vec2(1.0 - count / 32.0, 1.0) * w.slice.weight;
 #ifdef BENT
     vec2 lost = ssao_directions(hidden.bits, w.slice.normal.x);
+    float bits = ssao_count(hidden.bits);
+#ifdef VEIL
+    lost = u_shares.x * lost + u_shares.y * ssao_directions(hidden.near, w.slice.normal.x)
+        + u_shares.z * ssao_directions(hidden.far, w.slice.normal.x);
+    bits = dot(u_shares, vec3(bits, ssao_count(hidden.near), ssao_count(hidden.far)));
+#endif
 #ifdef FALLOFF
-    lost *= count / max(ssao_count(hidden.bits), 1.0);
+    lost *= count / max(bits, 1e-3);
 #endif
     sum.lost += (lost.x * along + lost.y * v) * (w.slice.weight / float(32 * SLICES));
 #endif
@@ -194,7 +238,7 @@ void main() {
 #endif
     // The weights of all directions are 1 on average, and the filter averages those of the tile: it finds the hidden share of the
     // whole hemisphere when each pixel's is taken times its weight. Near 1 that would be clipped, and it is left as it is.
-    float hidden = 1.0 - sum.open.x / max(sum.open.y, 1e-6), weight = sum.open.y / float(SLICES);
+    float hidden = min(1.0 - sum.open.x / max(sum.open.y, 1e-6), 1.0), weight = sum.open.y / float(SLICES);
     float deep = hidden * hidden * hidden * hidden;
     ssao_write(1.0 - hidden * mix(weight, 1.0, deep), pixel.z);
 #ifdef BENT

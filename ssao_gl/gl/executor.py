@@ -22,7 +22,7 @@ from .frame_targets import GL_COLOR, FrameTargets
 from .programs import FORMATS, GpuResources, Program
 from .scene_buffers import SceneBuffers
 from .timer import PassTime, Timer
-from .view_values import target_constants, view_value
+from .view_values import target_constants, target_cover, view_value
 
 GL_DEPTH = 0x1801
 WHOLE = DrawRegion()
@@ -212,7 +212,7 @@ class FrameExecutor:
             units[name] = unit
         uniforms = {**units, **self._evaluated(draw, step, textures, view)}
         with self._state.nearest_surface():
-            scene.buffers.draw(draw, scene.camera, view, step.writes, uniforms)
+            scene.buffers.draw(draw, scene.camera, view, step.writes, uniforms, target_cover(view, step))
 
     def _clear(self, step: PlannedPass, target: DrawTarget, values: Mapping[str, Sequence[float]]) -> None:
         """Fill targets with what is left where nothing is drawn; those that are drawn over stay."""

@@ -108,9 +108,18 @@ class SceneBuffers:
         return buffer
 
     def draw(
-        self, draw: DrawScene, camera: Camera, view: ViewConstants, writes: Sequence[str], uniforms: Mapping[str, Any]
+        self,
+        draw: DrawScene,
+        camera: Camera,
+        view: ViewConstants,
+        writes: Sequence[str],
+        uniforms: Mapping[str, Any],
+        cover: tuple[float, float] = (1.0, 1.0),
     ) -> None:
-        """Draw everything before ``camera`` into the bound framebuffer, whose targets are ``writes`` in this order."""
+        """Draw everything before ``camera`` into the bound framebuffer, whose targets are ``writes`` in this order.
+
+        ``cover``: width and height of the targets in those of the image, whose lower left corner they share.
+        """
         defines = draw.defines
         to_view = np.asarray(np.linalg.inv(camera.pose), np.float64)
         from_center = to_view.copy()
@@ -121,6 +130,7 @@ class SceneBuffers:
             projection, u_log = stiff
             uniforms, defines = {**uniforms, "u_log": u_log}, {**defines, "LOG_DEPTH": 1}
         projection = projection * _near_one(view.w1 * farthest + view.w0)
+        projection = _onto(projection, cover)
         shared = {
             "u_view": tuple(from_center.T.ravel()),
             "u_projection": tuple(projection.T.ravel()),
@@ -165,6 +175,13 @@ class SceneBuffers:
             buffer.release()
         self._textures.release()
         self._arrays, self._calls, self._owned, self._meshes = {}, {}, [], []
+
+
+def _onto(projection: Matrix, cover: tuple[float, float]) -> Matrix:
+    """Return a projection onto targets that are so much larger than the image."""
+    onto = np.diag([1 / cover[0], 1 / cover[1], 1.0, 1.0])
+    onto[:2, 3] = onto[0, 0] - 1, onto[1, 1] - 1
+    return onto @ projection
 
 
 def fit_depth_range(view: ViewConstants, nearest: float, farthest: float) -> Matrix:

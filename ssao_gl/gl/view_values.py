@@ -58,6 +58,12 @@ _VALUES: Mapping[str, Callable[[ViewConstants, PlannedPass], Any]] = {
 }
 
 
+def target_cover(view: ViewConstants, step: PlannedPass) -> tuple[float, float]:
+    """Return the width and height of the target in those of the image: above 1 where its last texels lie half outside."""
+    (w, h), (target_w, target_h) = view.size, step.size
+    return step.scale * target_w / w, step.scale * target_h / h
+
+
 def target_constants(view: ViewConstants, step: PlannedPass) -> dict[str, Value]:
     """Return the uniforms of ``lib/center_pixel.glsl``. A fragment of a smaller target stands for ``scale`` by ``scale`` pixels."""
     (w, h), scale = view.size, step.scale

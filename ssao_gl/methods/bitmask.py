@@ -12,13 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..graph.draws import Define
+from ..graph.draws import Define, ViewValue
 from ..graph.names import BENT_NORMAL, DEPTH, DEPTH_LAYER_2, PIXEL_DEPTH, PIXEL_NORMAL, VISIBILITY
 from ..sampling.disk import bayer
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
 from .traits import Traits
+
+LAYER_GAP = 0.5
+"""Radii between the layers: what lies nearer is mostly within a slab, and a layer spent on it is lost."""
+
+REFINED_SLICES = 2
+"""Of pixels that are drawn again at full size: no filter averages their noise away."""
 
 FALLOFFS = ("hard", "quadratic", "obscurance", "alchemy")
 """As in :class:`ssao_gl.falloff.Falloff`; the shader knows them by number."""
@@ -52,9 +58,15 @@ class Bitmask:
     tile: int = setting(4, "width of the noise tile: 1, 2, 4 or 8; the filter averages it away", unit="pixels", low=1, high=8)
     thickness: float = setting(0.3, "of what a texel shows, behind it", unit="radii", low=0, high=1000)
     bridge: float = setting(2.5, "thickness added per distance to the next tap, so that slabs leave no gaps", low=0, high=1000)
+    opacity: float = setting(1.0, "by which a slab hides", low=0, high=1)
+    near_veil: float = setting(
+        0.0, "by which all that lies behind a texel is hidden besides, where that is within 1.5 radii", low=0, high=1
+    )
+    veil: float = setting(0.0, "likewise, where it is within 3 radii", low=0, high=1)
     layers: int = setting(
         1, "2: also what lies directly behind (the renderer draws it; arrays and effects have one)", low=1, high=2
     )
+    layer_scale: int = setting(1, "1, 2 or 4: pixels of the image along each side of a texel of what lies behind", low=1, high=4)
     falloff: str = setting("hard", "how an occluder counts with its distance, as in ray-traced truth", choices=FALLOFFS)
     scale: int = setting(
         2, "1, 2 or 4: pixels of the image along each side of a pixel for which occlusion is drawn", low=1, high=4
@@ -72,7 +84,7 @@ class Bitmask:
 
     def __post_init__(self) -> None:
         validate(self)
-        for name, known in (("scale", (1, 2, 4)), ("tile", (1, 2, 4, 8))):
+        for name, known in (("scale", (1, 2, 4)), ("layer_scale", (1, 2, 4)), ("tile", (1, 2, 4, 8))):
             if getattr(self, name) not in known:
                 raise SettingsError(f"bitmask.{name}={getattr(self, name)}: must be one of {', '.join(map(str, known))}")
 
@@ -87,14 +99,22 @@ class Bitmask:
             guard_band=self.guard,
             unguarded=dataclasses.replace(self, guard=0.0) if self.guard else None,
             max_reach=self.max_radius,
+            occluder_reach=3.0 if self.veil else 1.5 if self.near_veil else 1.0,
+            layer_gap=LAYER_GAP,
+            layer_scale=self.layer_scale,
             exactly_open=True,  # what stands less than a sector above the tangent plane hides nothing
             taps=self.slices * self.steps,
             taps_setting="slices",
             probe_setting="adaptive",
             probe=dataclasses.replace(self, slices=4, steps=6, tile=1) if self.adaptive else None,
             refine_below=self.refine,
-            refined=dataclasses.replace(self, slices=max(4, self.slices)) if self.refine else None,
+            refined=dataclasses.replace(self, slices=max(REFINED_SLICES, self.slices)) if self.refine else None,
         )
+
+    @property
+    def has_veil(self) -> bool:
+        """Whether sectors count by shares."""
+        return (self.opacity, self.near_veil, self.veil) != (1.0, 0.0, 0.0)
 
     @property
     def samplers(self) -> Mapping[str, str]:
@@ -108,13 +128,16 @@ class Bitmask:
     def defines(self) -> Mapping[str, Define]:
         every: dict[str, Define] = {"SLICES": self.slices, "STEPS": self.steps}
         every |= {"SECOND_LAYER": 1} if self.layers == 2 else {}
+        every |= {"VEIL": 1} if self.has_veil else {}
         return every | ({"FALLOFF": FALLOFFS.index(self.falloff)} if self.falloff != "hard" else {})
 
     def constants(self) -> Mapping[str, Any]:
         if self.radius is None:
             raise SettingsError("the radius must be settled before the draw")
         angle = math.pi / self.slices
-        return {
+        shares = {"u_shares": (self.opacity, self.near_veil, self.veil)} if self.has_veil else {}
+        behind = ViewValue("resource_size", self.layer_scale, inverse=True, resource=DEPTH_LAYER_2)
+        return shares | ({"u_behind_texel": behind} if self.layers == 2 else {}) | {
             "u_per_radius": 1 / self.radius,
             "u_thickness": (self.thickness, self.bridge),
             "u_max_radius": self.max_radius,

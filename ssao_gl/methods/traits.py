@@ -50,6 +50,12 @@ class Traits:
     """Largest distance of a tap, pixels; None: only the radius bounds it."""
     exactly_open: bool = False
     """Whether visibility is 1 to the last bit where nothing stands above the tangent plane within the radius."""
+    occluder_reach: float = 1.0
+    """Within how many radii what stands above the tangent plane may darken a pixel, for the rule of open blocks."""
+    layer_gap: float = 0.0
+    """Radii between the first and the second layer, at least."""
+    layer_scale: int = 1
+    """Pixels of the image along each side of a texel of the second layer."""
     taps: int = 0
     """Taps to a side of all slices of a drawn pixel, for the rule of open blocks; 0: not known."""
     taps_setting: str | None = None

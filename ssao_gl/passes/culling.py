@@ -32,12 +32,16 @@ def bound_blocks() -> Pass:
     return Pass("block bounds", "cull", draw, targets)
 
 
-def open_blocks(radius: float, max_radius: float) -> Pass:
-    """Find the blocks that are open within ``radius`` (scene units), or as much of it as ``max_radius`` pixels cover."""
+def open_blocks(radius: float, farthest: float, max_radius: float) -> Pass:
+    """Find the blocks that are open: taps reach ``radius``, or ``max_radius`` pixels of it, and count up to ``farthest``.
+
+    Both in scene units.
+    """
     uniforms: dict[str, Uniform] = {
         "u_block_texel": ViewValue("target_texel"),
         "u_blocks": ViewValue("target_size"),
         "u_radius": radius,
+        "u_farthest": farthest,
         "u_max_radius": max_radius,
         "u_pixel": ViewValue("pixel_smaller"),
     }

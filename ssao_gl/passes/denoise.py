@@ -91,7 +91,8 @@ class Joint:
     """Separable joint bilateral on depth and normals: a tap counts as far as it lies in the tangent plane of the pixel.
 
     Full weight up to ``tolerance`` pixels off the plane, none from twice that. The plane distance is measured in the
-    size of a pixel at that depth, so no length in scene units is needed and slopes do not fall apart.
+    size of a pixel at that depth, so no length in scene units is needed and slopes do not fall apart. Where not all taps lie
+    in the plane the filter is half as wide: visibility is steep at creases and edges.
     """
 
     name: ClassVar[str] = "joint"
@@ -128,6 +129,8 @@ class Joint:
             "u_per_pixel": ViewValue("pixel", self.tolerance * scale, inverse=True),
         }
         defines: dict[str, Define] = {"PACKED": 1, "RADIUS": radius, **({"LAST": 1} if last else {}), **more.defines}
+        if self.sigma == 0 and radius > 1:
+            defines["NARROW"] = radius // 2
         draw = Fullscreen("denoise_joint.frag", samplers, uniforms, defines=defines)
         target = Texture("r8") if last else Texture("r32f", 1 / scale)
         writes = {result: target, **more.writes}

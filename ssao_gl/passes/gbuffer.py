@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..graph.declare import Pass, Texture
-from ..graph.draws import DrawScene, ViewValue
+from ..graph.draws import DrawScene, Uniform, ViewValue
 from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, LAYER_2_MASK, NORMAL, SCENE_MASK, SHADING_NORMAL
 
 SHADER = ("gbuffer.vert", "gbuffer.frag")
@@ -28,8 +28,11 @@ def gbuffer(background: Sequence[float], *, geometric: bool) -> Pass:
     return Pass("gbuffer", "gbuffer", draw, targets, depth=SCENE_MASK)
 
 
-def layer_behind() -> Pass:
-    """Draw the linear depth of the surface behind the first at every pixel, 0 where there is none."""
-    uniforms = {"u_texel": ViewValue("image_texel")}
+def layer_behind(gap: float, scale: int) -> Pass:
+    """Draw the linear depth of the next surface behind the first by ``gap`` scene units, 0 where there is none.
+
+    ``scale``: pixels of the image along each side of a texel of it.
+    """
+    uniforms: dict[str, Uniform] = {"u_step": ViewValue("target_step"), "u_scale": float(scale), "u_gap": gap}
     draw = DrawScene(SHADER, {DEPTH_LAYER_2: NOTHING}, {"u_front": DEPTH}, uniforms, {"BEHIND": 1})
-    return Pass("layer behind", "layer", draw, {DEPTH_LAYER_2: Texture("r32f")}, depth=LAYER_2_MASK)
+    return Pass("layer behind", "layer", draw, {DEPTH_LAYER_2: Texture("r32f", 1 / scale)}, depth=LAYER_2_MASK)

@@ -58,10 +58,10 @@ def plan_render(
     """
     flat, bent = settings.normals == "geometric", "bent" in aovs
     culling = plan_culling(settings, DepthTest(SCENE_MASK, far=True), size, triangles, flat_normals=flat, bent=bent)
-    background = settings.shading.background_rgba
+    background, traits = settings.shading.background_rgba, settings.method.traits
     passes = [
         gbuffer(WHITE, geometric=flat),
-        layer_behind(),
+        layer_behind(traits.layer_gap * (settings.method.radius or 0.0), traits.layer_scale),
         *_visibility(settings, culling, bent=bent),
         composite(settings.shading.ambient, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
     ]

@@ -50,8 +50,9 @@ def plan_culling(
     why = _why_no_open_blocks(settings, size, triangles, flat_normals=flat_normals)
     if why:
         return CullingPlan(background, mask, (), why)
+    farthest = method.radius * method.traits.occluder_reach
     reach = method.traits.max_reach or float(max(size))
-    return CullingPlan(background, mask, (bound_blocks(), open_blocks(method.radius, reach)), "")
+    return CullingPlan(background, mask, (bound_blocks(), open_blocks(method.radius, farthest, reach)), "")
 
 
 def _why_no_open_blocks(settings: Settings, size: Size, triangles: int | None, *, flat_normals: bool) -> str:
