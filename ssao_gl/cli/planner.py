@@ -1,4 +1,4 @@
-"""``ssao-gl planner``: fit the planner's table of errors to rays, and check how good its plans are."""
+"""``ssao-gl planner``: fit the planner's table of errors and the method's shares to rays, and check how good plans are."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .options import GlOption
 from .output import check_json, comma_list, parse_size, say, write_json
 
 app = App(
-    name="planner", help="Fit the planner's table of errors, or check how good its plans are.", show=False, help_epilogue=""
+    name="planner", help="Fit the planner's table of errors or the shares of veils, or check how good plans are.", show=False, help_epilogue=""
 )
 
 
@@ -64,6 +64,36 @@ def fit_errors(
     _write(output, error_table(samples), 1)
     for line in (*held_out_lines(samples), str(output)):
         say(line)
+    return 0
+
+
+@app.command
+def veil(
+    *scenes: Path,
+    output: Annotated[Path, Parameter(name=["--output", "-o"], help="JSON file for the shares.")] = Path("veil_fits.json"),
+    size: Annotated[str, Parameter(help="Width x height, pixels.")] = "1280x720",
+    gl: GlOption = "auto",
+) -> int:
+    """Fit the shares by which bitmasks take what no depth buffer shows for hidden, against rays.
+
+    Parameters
+    ----------
+    scenes
+        Scene files, at least two, each with cameras in NAME.cam.json beside it.
+    """
+    from ..planner.fit_veil import fit_veils
+    from ..render.renderer import Renderer
+
+    pixels = parse_size(size)
+    if len(set(scenes)) < 2:
+        raise SettingsError("planner veil: give at least two scene files; each is left out of a fit to the others")
+    check_writable(output)
+    with Renderer(gl) as renderer:
+        fits = fit_veils(scenes, pixels, renderer, say)
+    _write(output, fits, 1)
+    for kind, fit in fits["fits"].items():
+        say(f"{kind}: {fit}")
+    say(str(output))
     return 0
 
 

@@ -19,6 +19,7 @@ from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
 from .traits import Traits
+from .veil_fits import VeilFit, veil_fit
 
 LAYER_GAP = 0.5
 """Radii between the layers: what lies nearer is mostly within a slab, and a layer spent on it is lost."""
@@ -48,21 +49,23 @@ class Bitmask:
         "draft": {"scale": 4, "steps": 4},
         "low": {"scale": 2, "steps": 5},
         "medium": {},
-        "high": {"scale": 1, "slices": 1, "steps": 10},
-        "ultra": {"scale": 1, "slices": 1, "steps": 12, "layers": 2, "thickness": 0.2, "bridge": 2.0},
+        "high": {"steps": 8, "layers": 2, "layer_scale": 4, "refine": 0.02},
+        "ultra": {"scale": 1, "slices": 1, "steps": 12, "layers": 2, "layer_scale": 2},
     }
 
     radius: float | None = setting(None, "reach of occlusion; none: from the camera or the scene", unit="scene units", above=0)
     slices: int = setting(2, "directions through each pixel", low=1, high=16)
     steps: int = setting(9, "taps to each side of a slice", low=1, high=64)
     tile: int = setting(4, "width of the noise tile: 1, 2, 4 or 8; the filter averages it away", unit="pixels", low=1, high=8)
-    thickness: float = setting(0.3, "of what a texel shows, behind it", unit="radii", low=0, high=1000)
-    bridge: float = setting(2.5, "thickness added per distance to the next tap, so that slabs leave no gaps", low=0, high=1000)
-    opacity: float = setting(1.0, "by which a slab hides", low=0, high=1)
-    near_veil: float = setting(
-        0.0, "by which all that lies behind a texel is hidden besides, where that is within 1.5 radii", low=0, high=1
+    thickness: float | None = setting(
+        None, "of what a texel shows, behind it; none: as fitted, like the shares below", unit="radii", low=0, high=1000
     )
-    veil: float = setting(0.0, "likewise, where it is within 3 radii", low=0, high=1)
+    bridge: float = setting(2.5, "thickness added per distance to the next tap, so that slabs leave no gaps", low=0, high=1000)
+    opacity: float | None = setting(None, "share by which a slab hides; 1, with veils of 0, is what a depth buffer shows", low=0, high=1)
+    near_veil: float | None = setting(
+        None, "share by which all that lies behind a texel is hidden, where that is within 1.5 radii", low=0, high=1
+    )
+    veil: float | None = setting(None, "likewise, where it is within 3 radii", low=0, high=1)
     layers: int = setting(
         1, "2: also what lies directly behind (the renderer draws it; arrays and effects have one)", low=1, high=2
     )
@@ -90,7 +93,7 @@ class Bitmask:
 
     @property
     def traits(self) -> Traits:
-        layers = {"second_layer"} if self.layers == 2 else set()
+        layers, fit = {"second_layer"} if self.layers == 2 else set(), self.fitted
         return Traits(
             inputs=frozenset({"depth", "normal", *layers}),
             outputs=frozenset({VISIBILITY, BENT_NORMAL}),
@@ -99,7 +102,7 @@ class Bitmask:
             guard_band=self.guard,
             unguarded=dataclasses.replace(self, guard=0.0) if self.guard else None,
             max_reach=self.max_radius,
-            occluder_reach=3.0 if self.veil else 1.5 if self.near_veil else 1.0,
+            occluder_reach=3.0 if fit.veil else 1.5 if fit.near_veil else 1.0,
             layer_gap=LAYER_GAP,
             layer_scale=self.layer_scale,
             exactly_open=True,  # what stands less than a sector above the tangent plane hides nothing
@@ -107,14 +110,17 @@ class Bitmask:
             taps_setting="slices",
             probe_setting="adaptive",
             probe=dataclasses.replace(self, slices=4, steps=6, tile=1) if self.adaptive else None,
+            single_layer=dataclasses.replace(self, layers=1) if self.layers == 2 else None,
             refine_below=self.refine,
             refined=dataclasses.replace(self, slices=max(REFINED_SLICES, self.slices)) if self.refine else None,
         )
 
     @property
-    def has_veil(self) -> bool:
-        """Whether sectors count by shares."""
-        return (self.opacity, self.near_veil, self.veil) != (1.0, 0.0, 0.0)
+    def fitted(self) -> VeilFit:
+        """Shares and thickness: those given, and for the rest those fitted to settings like these."""
+        fit = veil_fit("two layers" if self.layers == 2 else "scale 4" if self.scale == 4 else "one layer")
+        given = {name: getattr(self, name) for name in ("opacity", "near_veil", "veil", "thickness")}
+        return dataclasses.replace(fit, **{name: value for name, value in given.items() if value is not None})
 
     @property
     def samplers(self) -> Mapping[str, str]:
@@ -128,18 +134,19 @@ class Bitmask:
     def defines(self) -> Mapping[str, Define]:
         every: dict[str, Define] = {"SLICES": self.slices, "STEPS": self.steps}
         every |= {"SECOND_LAYER": 1} if self.layers == 2 else {}
-        every |= {"VEIL": 1} if self.has_veil else {}
+        fit = self.fitted
+        every |= {"VEIL": 1} if (fit.opacity, fit.near_veil, fit.veil) != (1.0, 0.0, 0.0) else {}
         return every | ({"FALLOFF": FALLOFFS.index(self.falloff)} if self.falloff != "hard" else {})
 
     def constants(self) -> Mapping[str, Any]:
         if self.radius is None:
             raise SettingsError("the radius must be settled before the draw")
-        angle = math.pi / self.slices
-        shares = {"u_shares": (self.opacity, self.near_veil, self.veil)} if self.has_veil else {}
+        angle, fit = math.pi / self.slices, self.fitted
+        shares = {"u_shares": (fit.opacity, fit.near_veil, fit.veil)} if "VEIL" in self.defines() else {}
         behind = ViewValue("resource_size", self.layer_scale, inverse=True, resource=DEPTH_LAYER_2)
         return shares | ({"u_behind_texel": behind} if self.layers == 2 else {}) | {
             "u_per_radius": 1 / self.radius,
-            "u_thickness": (self.thickness, self.bridge),
+            "u_thickness": (fit.thickness, self.bridge),
             "u_max_radius": self.max_radius,
             "u_noise_width": float(self.tile),
             "u_next_slice": (math.cos(angle), math.sin(angle)),

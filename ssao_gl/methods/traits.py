@@ -54,6 +54,8 @@ class Traits:
     """Within how many radii what stands above the tangent plane may darken a pixel, for the rule of open blocks."""
     layer_gap: float = 0.0
     """Radii between the first and the second layer, at least."""
+    single_layer: Method | None = None
+    """The method for those who have one layer; None: it looks at no more."""
     layer_scale: int = 1
     """Pixels of the image along each side of a texel of the second layer."""
     taps: int = 0

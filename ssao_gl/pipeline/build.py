@@ -85,10 +85,12 @@ def plan_apply(
 ) -> Plan:
     """Return the plan over a caller's depth (and normals, and colour). ``outputs``: resources. ``fine``: see :func:`plan_render`.
 
-    Raises SettingsError for methods that need a scene, and for an unknown kind of depth.
+    A method that looks at two layers looks at one. Raises SettingsError for methods that need a scene, and for an unknown
+    kind of depth.
     """
-    if "second_layer" in settings.method.traits.inputs:
-        raise SettingsError(f"{settings.method.name}: two layers need a scene to draw; a depth buffer has one")
+    single = settings.method.traits.single_layer
+    layers = {"layer behind": "a depth buffer has one layer"} if single else {}
+    settings = replace(settings, method=single) if single else settings
     if settings.method.traits.needs_scene:
         raise SettingsError(f"{settings.method.name}: needs a scene to draw; use render, or another method")
     if depth not in (WINDOW_DEPTH, EYE_DEPTH):
@@ -97,7 +99,7 @@ def plan_apply(
     # A depth buffer of the image costs more memory than its one use costs time where occlusion is drawn at a smaller size.
     mask = DepthTest(SCENE_MASK) if drawn_scale(settings) == 1 else None
     culling = plan_culling(settings, mask, size, None, flat_normals=not normals, bent=bent)
-    notes = _notes(settings, culling) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
+    notes = layers | _notes(settings, culling) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
     passes = [
         linearize(window=depth == WINDOW_DEPTH, mask=culling.mask is not None),
         encode_normals() if normals else reconstruct_normals(),

@@ -12,7 +12,7 @@ from ..methods.base import Method
 from ..methods.registry import method, presets_of
 from ..settings import assign
 
-SECOND_LAYER: Mapping[str, Any] = {"layers": 2, "thickness": 0.2, "bridge": 2.0}
+SECOND_LAYER: Mapping[str, Any] = {"layers": 2, "layer_scale": 4}
 FULL_SIZE: Mapping[str, Any] = {"scale": 1, "slices": 1}
 
 
