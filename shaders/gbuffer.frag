@@ -49,7 +49,9 @@ void main() {
     // lies nearer is within the slab of the first (Mara et al., "Deep G-Buffers for Stable Global Illumination", 2016).
     // The middle of a pixel, where rounding decides nothing.
     vec2 place = (floor(gl_FragCoord.xy) + (floor(0.5 * u_scale) + 0.5) / u_scale) * u_step;
-    if (-v_position.z <= SAMPLE(u_front, place).r * (1.0 + 1e-5) + u_gap) discard;
+    // A texel of several pixels is drawn beside that pixel: a steep surface must not lie behind itself.
+    float beside = (1.0 - 1.0 / u_scale) * fwidth(v_position.z);
+    if (-v_position.z <= SAMPLE(u_front, place).r * (1.0 + 1e-5) + u_gap + beside) discard;
 #endif
 #ifdef LOG_DEPTH
     gl_FragDepth = log2(max(-v_position.z * u_log.x, 1.0)) * u_log.y;

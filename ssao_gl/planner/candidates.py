@@ -12,7 +12,7 @@ from ..methods.base import Method
 from ..methods.registry import method, presets_of
 from ..settings import assign
 
-SECOND_LAYER: Mapping[str, Any] = {"layers": 2, "layer_scale": 4}
+SECOND_LAYER: Mapping[str, Any] = {"layers": 2, "layer_scale": 4, "refine": 0.02}
 FULL_SIZE: Mapping[str, Any] = {"scale": 1, "slices": 1}
 
 
@@ -80,7 +80,7 @@ FAMILIES = (
     Family("bitmask", {"scale": 2}, "steps", (3, 5, 7, 9, 14), (5, 9)),
     Family("bitmask", {"scale": 2, **SECOND_LAYER}, "steps", (5, 8, 12), (5, 12)),
     Family("bitmask", FULL_SIZE, "steps", (5, 8, 10, 16), (5, 10)),
-    Family("bitmask", {**FULL_SIZE, **SECOND_LAYER}, "steps", (8, 12, 20), (8, 12)),
+    Family("bitmask", {**FULL_SIZE, "layers": 2, "layer_scale": 2}, "steps", (8, 12, 20), (8, 12)),
     Family("alchemy", {}, "samples", (4, 8, 16, 32), (4, 16)),
 )
 
