@@ -18,11 +18,10 @@ from .methods.base import Method
 from .passes.denoise import Filter, Joint
 from .pipeline.settings import Settings, Shading, as_filter, as_method
 from .planner import Target, render_planned
-from .render.arrays import pixel_size
 from .render.picture import Picture
 from .render.renderer import Renderer
 from .scene.depth_image import DepthImage
-from .scene.projection import Size
+from .scene.projection import Size, pixel_size
 from .scene.screen_bounds import unseen
 
 

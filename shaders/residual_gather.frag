@@ -1,0 +1,57 @@
+// Residuals of a block of 2x2 pixels: those rays' that start on the surface of the first of them. Its depth is that of its tangent
+// plane at the middle of the block, so that texels lie on a regular grid.
+#needs es300
+#include "lib/view.glsl"
+#include "lib/normal.glsl"
+#include "lib/residual.glsl"
+
+uniform sampler2D u_rays;     // number of rays + half of their visibility
+uniform sampler2D u_screen;   // visibility of the screen
+uniform sampler2D u_z;
+uniform sampler2D u_normal;
+uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w = 1)
+
+void main() {
+    vec2 corner = 2.0 * floor(gl_FragCoord.xy);
+    // The first pixel with a ray, from another of the four in every block.
+    vec2 best = vec2(0.0);
+    float first = 0.0;
+    vec4 rays = vec4(0.0);
+    vec4 depth = vec4(0.0);
+    for (int i = 0; i < 4; i++) {
+        vec2 uv = (corner + vec2(float(i & 1), float(i >> 1)) + 0.5) * u_texel;
+        rays[i] = SAMPLE(u_rays, uv).r;
+        depth[i] = SAMPLE(u_z, uv).r;
+    }
+    int turn = (int(gl_FragCoord.x) + 2 * int(gl_FragCoord.y)) & 3;
+    int chosen = -1;
+    for (int i = 3; i >= 0; i--) {
+        int k = (i + turn) & 3;
+        chosen = rays[k] >= 1.0 && depth[k] > 0.0 ? k : chosen;
+    }
+    frag_color = vec4(0.0);
+    if (chosen < 0) {
+        // No ray here, but a surface that the filter may pass on to.
+        for (int i = 3; i >= 0; i--) chosen = depth[(i + turn) & 3] > 0.0 ? (i + turn) & 3 : chosen;
+        if (chosen < 0) return;
+    }
+    vec2 uv = (corner + vec2(float(chosen & 1), float(chosen >> 1)) + 0.5) * u_texel;
+    vec2 encoded = SAMPLE(u_normal, uv).xy;
+    vec3 n = ssao_decode_normal(encoded);
+    float z = depth[chosen];
+    float plane = dot(n, ssao_position(uv, z));
+    float per_unit = u_per_pixel / max(ssao_w(z), 1e-30);
+    vec2 sum = vec2(0.0);
+    for (int i = 0; i < 4; i++) {
+        vec2 place = (corner + vec2(float(i & 1), float(i >> 1)) + 0.5) * u_texel;
+        float off = abs(dot(n, ssao_position(place, depth[i])) - plane) * per_unit;
+        float count = floor(rays[i]);
+        float fits = count >= 1.0 && depth[i] > 0.0 ? clamp(2.0 - off, 0.0, 1.0) : 0.0;
+        float open = 2.0 * (rays[i] - count);
+        sum += fits * count * vec2(open - SAMPLE(u_screen, place).r, 1.0);
+    }
+    vec2 middle = (corner + 1.0) * u_texel;
+    float slope = dot(n.xy, u_ray * middle + u_ray0) - n.z;
+    float met = (plane - dot(n.xy, u_org * middle + u_org0)) / (abs(slope) > 1e-6 ? slope : 1e-6);
+    frag_color = vec4(sum, met > 0.5 * z && met < 2.0 * z ? met : z, ssao_pack_normal(encoded));
+}
