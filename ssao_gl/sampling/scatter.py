@@ -80,8 +80,9 @@ def has_ray(order: U32, share: float) -> NDArray[np.bool_]:
     """
     if share >= 1:
         return np.ones(order.shape, bool)
-    stretch = np.floor(order * share)
-    start, end = (np.ceil(edge / share - 1e-9) for edge in (stretch, stretch + 1))
+    slack = 1e-6  # of a ray: what rounding may move the edge of a stretch by
+    stretch = np.floor(order * share + slack)
+    start, end = (np.ceil((edge - slack) / share) for edge in (stretch, stretch + 1))
     chosen: NDArray[np.bool_] = start + np.floor((end - start) * hashed(stretch.astype(np.uint32)) * 2.0**-32) == order
     return chosen
 
