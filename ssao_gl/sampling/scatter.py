@@ -28,7 +28,7 @@ SEED = 0x5EED
 class RayLayer:
     """At most one ray of each pixel of a part of a picture, row 0 at the bottom.
 
-    pixel: (n,) int32, numbers of pixels in the part, rising. place: (3, n) float32, x, y and 1. direction: (3, n) float32, unit, cosine-weighted about
+    pixel: (n,) int32, numbers of pixels in the part, in Z-order: what is traced together lies together. place: (3, n) float32, x, y and 1. direction: (3, n) float32, unit, cosine-weighted about
     the third axis.
     """
 
@@ -58,6 +58,7 @@ def _layer(
     inside = (x + corner[0] >= 0) & (x + corner[0] < whole[0]) & (y + corner[1] >= 0) & (y + corner[1] < whole[1])
     order = z_order(np.maximum(x + corner[0], 0), np.maximum(y + corner[1], 0))
     pixel = np.flatnonzero(inside & has_ray(order, share)).astype(np.int32)
+    pixel = pixel[np.argsort(order.ravel()[pixel], kind="stable")]
     index = np.floor(order.ravel()[pixel] * share).astype(np.uint32)
     if stride > 1:
         index = index * np.uint32(stride) + np.uint32(number)

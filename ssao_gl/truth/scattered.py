@@ -17,7 +17,9 @@ from ..sampling.scatter import RayLayer, ray_layers
 from ..scene.camera import Camera
 from ..scene.projection import Size, ViewConstants
 from .rays import DIAMETER, OFFSET, RayScene, threads
+from .settings import Tracing
 from .sums import blocks
+from .trace import local_radius
 
 F32 = NDArray[np.float32]
 
@@ -42,21 +44,22 @@ class ScatteredRays:
         """Return (h, w), row 0 at the bottom: the number of rays of a pixel plus half of the share that met nothing; 0 without rays.
 
         ``arrays``: linear depth (h, w, 1) and encoded normals (h, w, 2) of ``rect``. values: share (rays a pixel), radius (scene
-        units), falloff.
+        units), falloff. Raises SettingsError for a radius that 32-bit rays cannot tell from none.
         """
         share, radius, falloff = (work.values[name] for name in ("share", "radius", "falloff"))
-        depth, normals = np.ascontiguousarray(arrays[0][..., 0]).ravel(), np.ascontiguousarray(arrays[1]).reshape(-1, 2)
+        reach = local_radius(self.scene, Tracing(radius=float(radius)))
+        depth, normals = arrays[0][..., 0].reshape(-1), arrays[1].reshape(-1, 2)  # views: their steps merge
         starts = _Starts.of(self.scene, self.camera, view, rect, depth, normals)
         counts, blocked = np.zeros(len(depth), np.float32), np.zeros(len(depth), np.float32)
         corner = self.corner[0] + rect[0], self.corner[1] + rect[1]
-        for layer in ray_layers(corner, (rect[2], rect[3]), self.whole, float(share)):
-            trace = _Tracing(starts, layer, float(radius) * self.scene.scale, Falloff(str(falloff)))
-            with ThreadPoolExecutor(threads()) as pool:
-                for index, values in pool.map(trace.part, blocks(len(layer.pixel), RAYS_TOGETHER)):
-                    counts[index] += 1  # a layer has no pixel twice
-                    blocked[index] += values
-        open_share = 1 - blocked / np.maximum(counts, 1)
-        return np.where(counts > 0, counts + np.float32(0.5) * open_share, 0).astype(np.float32).reshape(rect[3], rect[2])
+        with ThreadPoolExecutor(threads()) as pool:
+            for layer in ray_layers(corner, (rect[2], rect[3]), self.whole, float(share)):
+                trace = _LayerTrace(starts, layer, reach, Falloff(str(falloff)), counts, blocked)
+                list(pool.map(trace.part, blocks(len(layer.pixel), RAYS_TOGETHER)))
+        traced, out = np.flatnonzero(counts > 0), np.zeros(len(depth), np.float32)
+        number = counts[traced]
+        out[traced] = number + np.float32(0.5) * (1 - blocked[traced] / number)
+        return out.reshape(rect[3], rect[2])
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,16 +107,18 @@ class _Starts:
 
 
 @dataclass(frozen=True, eq=False)
-class _Tracing:
-    """The rays of one layer. ``radius``: in local units."""
+class _LayerTrace:
+    """The rays of one layer. radius: in local units. counts, blocked: (h * w,) float32, rays of each pixel, and what they count as occlusion."""
 
     starts: _Starts
     layer: RayLayer
     radius: float
     falloff: Falloff
+    counts: F32
+    blocked: F32
 
-    def part(self, at: slice) -> tuple[NDArray[np.int32], F32]:
-        """Trace some rays; return their pixels, and what each counts as occlusion, in 0..1. Background has none."""
+    def part(self, at: slice) -> None:
+        """Trace some rays, none of background. A layer has no pixel twice, so that parts may run at once."""
         pixel, place, sample = self.layer.pixel[at], self.layer.place[:, at], self.layer.direction[:, at]
         seen = self.starts.depth[pixel] > 0
         if not seen.all():
@@ -121,9 +126,11 @@ class _Tracing:
         origins, normals = self.starts.at(pixel, place)
         tangent, bitangent = frames(normals)
         directions = tangent * sample[0] + bitangent * sample[1] + normals * sample[2]
-        return pixel, self._blocked(np.ascontiguousarray(origins.T), np.ascontiguousarray(directions.T))
+        self.counts[pixel] += 1
+        self.blocked[pixel] += self._occlusion(np.ascontiguousarray(origins.T), np.ascontiguousarray(directions.T))
 
-    def _blocked(self, origins: F32, directions: F32) -> F32:
+    def _occlusion(self, origins: F32, directions: F32) -> F32:
+        """Return what each ray (n, 3) counts, in 0..1."""
         reach = np.float32(min(self.radius, DIAMETER))
         scene = self.starts.scene
         if self.falloff == Falloff.HARD:

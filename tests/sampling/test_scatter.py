@@ -14,7 +14,7 @@ def traced(share: float, corner: tuple[int, int] = (0, 0), size: tuple[int, int]
     """Rays of each pixel (h, w)."""
     count = np.zeros(size[0] * size[1], int)
     for layer in ray_layers(corner, size, SIZE, share):
-        assert (np.diff(layer.pixel) > 0).all(), "no pixel twice in a layer"
+        assert len(np.unique(layer.pixel)) == len(layer.pixel), "no pixel twice in a layer"
         count[layer.pixel] += 1
     return count.reshape(size[::-1])
 
