@@ -117,6 +117,13 @@ def test_without_rays_nothing_is_there() -> None:
     assert [step.task.name for step in wanted.steps] == ["gbuffer"], "nor where nobody looks at visibility"
 
 
+def test_the_call_of_one_line_takes_them(embedded: Scene) -> None:
+    made = ao.render(embedded, size=SIZE, rays=0.25, aovs="visibility")
+    assert made.report["settings"]["rays"] == 0.25 and any("residual filter" in line for line in made.report["plan"])
+    with pytest.raises(TypeError, match="unexpected keyword argument 'ray'"):
+        ao.render(embedded, size=SIZE, ray=None)  # type: ignore[call-arg]
+
+
 def test_plans_with_rays_are_data() -> None:
     plan = plan_render(with_rays(0.25), SIZE, ("image",))
     assert plan_from_json(plan_to_json(plan)) == plan
