@@ -44,18 +44,16 @@ def drawn(
 
 @pytest.mark.parametrize("share", [0.25, 2.0])
 @pytest.mark.parametrize("tilt", [0.0, 0.7, 1.5])
-def test_a_plane_stays_open_at_any_tilt(any_renderer: ao.Renderer, share: float, tilt: float) -> None:
+def test_a_plane_stays_open_at_any_tilt(renderer: ao.Renderer, share: float, tilt: float) -> None:
     for cam in (camera(), Camera.orthographic(8.0, 0.1, 40.0)):
-        assert (drawn(any_renderer, plane(tilt), cam, share, method=ao.Bitmask(radius=2.0)) == 1).all()
+        assert (drawn(renderer, plane(tilt), cam, share, method=ao.Bitmask(radius=2.0)) == 1).all()
 
 
-def test_a_ceiling_that_no_camera_sees(any_renderer: ao.Renderer) -> None:
+def test_a_ceiling_that_no_camera_sees(renderer: ao.Renderer) -> None:
     """Below a ceiling at height h visibility is 1 - (1 - (h / R)^2) under a hard radius R (the sine squared of the angle to its rim)."""
     scene = Scene([quad((0, 0, -5), (40, 0, 0), (0, 40, 0)), quad((0, 0, 1), (40, 0, 0), (0, 40, 0))])
     method, exact = ao.Bitmask(radius=8.0), (6 / 8) ** 2
-    screen, quarter, two = (
-        drawn(any_renderer, scene, camera(), share, method=method)[20:-20, 20:-20] for share in (0, 0.25, 2)
-    )
+    screen, quarter, two = (drawn(renderer, scene, camera(), share, method=method)[20:-20, 20:-20] for share in (0, 0.25, 2))
     assert (screen == 1).all(), "what stands behind the camera is not on the screen"
     assert quarter.mean() == pytest.approx(exact, abs=0.06) and two.mean() == pytest.approx(exact, abs=0.01)
     assert np.abs(two - exact).max() < 0.05
