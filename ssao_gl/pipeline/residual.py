@@ -39,7 +39,10 @@ def corrected(settings: Settings, screen: Sequence[Pass], mask: DepthTest | None
         )
     falloff = as_table(method).get("falloff")
     falloff = falloff if falloff in tuple(Falloff) else Falloff.HARD
-    return [*map(_of_the_screen, screen), *residual_rays(settings.rays, float(method.radius), str(falloff), SPREAD, mask)]
+    return [
+        *map(_of_the_screen, screen),
+        *residual_rays(float(settings.rays), float(method.radius), str(falloff), SPREAD, mask),
+    ]
 
 
 def residual_reach(settings: Settings) -> int:

@@ -22,7 +22,7 @@ from ssao_gl.scene.model import Scene
 from ssao_gl.truth import Tracing, trace
 
 from ..conftest import openable
-from ..shapes import camera, corner, plane, quad
+from ..shapes import camera, corner, look_at, plane, quad
 
 pytest.importorskip("embreex")
 pytest.importorskip("scipy")
@@ -93,6 +93,13 @@ def test_odd_sizes(any_renderer: ao.Renderer, embedded: Scene, size: tuple[int, 
     for share in (0.01, 0.25, 1.0):
         seen = drawn(any_renderer, embedded, embedded.cameras[0], share, size)
         assert np.isfinite(seen).all() and seen.min() >= 0 and seen.max() <= 1
+
+
+def test_a_camera_that_sees_nothing_or_little(any_renderer: ao.Renderer) -> None:
+    away = camera(pose=look_at((9, 9, 9), (18, 18, 18)))
+    speck = Scene([quad((0, 0, -5), (0.05, 0, 0), (0, 0.05, 0))])
+    for scene, cam in ((plane(), away), (speck, camera())):
+        assert (drawn(any_renderer, scene, cam, 0.25) == 1).all()
 
 
 @pytest.mark.parametrize("name", ["draft", "high", "ultra"])
