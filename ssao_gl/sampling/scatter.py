@@ -23,17 +23,19 @@ F32 = NDArray[np.float32]
 SEED = 0x5EED
 """Of the digital shifts of directions, and of the places of rays."""
 
+KEPT_RAYS = 1 << 20
+"""Layers of at most so many rays are kept for the next frame, 16 MiB each; larger ones cost little beside their tracing."""
+
 
 @dataclass(frozen=True, eq=False)
 class RayLayer:
     """At most one ray of each pixel of a part of a picture, row 0 at the bottom.
 
-    pixel: (n,) int32, numbers of pixels in the part, in Z-order: what is traced together lies together. place: (3, n) float32, x, y and 1. direction: (3, n) float32, unit, cosine-weighted about
-    the third axis.
+    pixel: (n,) int32, numbers of pixels in the part, in Z-order: what is traced together lies together. direction: (3, n) float32,
+    unit, cosine-weighted about the third axis.
     """
 
     pixel: NDArray[np.int32]
-    place: F32
     direction: F32
 
 
@@ -43,13 +45,12 @@ def ray_layers(corner: tuple[int, int], size: tuple[int, int], whole: tuple[int,
     corner, size: of the part, in pixels from the lower left of the picture; what lies beside the picture has no rays.
     """
     full, rest = divmod(share, 1)
-    for number in range(int(full)):
-        yield _layer(corner, size, whole, 1.0, int(full), number)
-    if rest > 0:
-        yield _layer(corner, size, whole, rest, 1, int(full))
+    wanted = [(1.0, int(full), number) for number in range(int(full))] + ([(rest, 1, 0)] if rest > 0 else [])
+    for part, stride, number in wanted:
+        make = _kept_layer if size[0] * size[1] * part <= KEPT_RAYS else _layer
+        yield make(corner, size, whole, part, stride, number)
 
 
-@lru_cache(maxsize=2)
 def _layer(
     corner: tuple[int, int], size: tuple[int, int], whole: tuple[int, int], share: float, stride: int, number: int
 ) -> RayLayer:
@@ -65,8 +66,10 @@ def _layer(
     first, second = hashed(np.array([SEED, SEED + 1], np.uint32) + np.uint32(2 * (share < 1)))
     u, v = sobol_pairs(index, (int(first), int(second)))
     away, angle = np.sqrt(u), v * np.float32(2 * np.pi)
-    place = np.stack([x.ravel()[pixel], y.ravel()[pixel], np.ones(len(pixel))]).astype(np.float32)
-    return RayLayer(pixel, place, np.stack([away * np.cos(angle), away * np.sin(angle), np.sqrt(1 - u)]))
+    return RayLayer(pixel, np.stack([away * np.cos(angle), away * np.sin(angle), np.sqrt(1 - u)]))
+
+
+_kept_layer = lru_cache(maxsize=4)(_layer)
 
 
 def z_order(x: NDArray[np.integer], y: NDArray[np.integer]) -> U32:

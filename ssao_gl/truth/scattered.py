@@ -67,6 +67,8 @@ class _Starts:
     """Where rays start: points and normals of pixels in local coordinates, by matrices upon (x, y, 1) of a pixel of the part."""
 
     scene: RayScene
+    width: int
+    """Of the part, pixels."""
     depth: F32
     normals: F32
     along: F32
@@ -94,10 +96,12 @@ class _Starts:
             scale * (PIXEL_SHARE * view.pixel * view.w1 + DEPTH_ROUNDING),
         )
         along, still, turn = (np.asarray(m, np.float32) for m in (scale * pose[:3, :3] @ ray @ uv, eye @ uv, turn))
-        return cls(scene, depth, normals, along, still, turn, above)
+        return cls(scene, rect[2], depth, normals, along, still, turn, above)
 
-    def at(self, pixel: NDArray[np.int32], place: F32) -> tuple[F32, F32]:
-        """Return starts and unit normals (3, n) of pixels, which lie at ``place`` (3, n)."""
+    def at(self, pixel: NDArray[np.int32]) -> tuple[F32, F32]:
+        """Return starts and unit normals (3, n) of pixels, counted row by row."""
+        y, x = np.divmod(pixel, np.int32(self.width))
+        place = np.stack([x, y, np.ones_like(x)]).astype(np.float32)
         z, encoded = self.depth[pixel], self.normals[pixel].T
         f = np.minimum(encoded[0] ** 2 + encoded[1] ** 2, 4)
         normal = self.turn @ np.stack([*(encoded * np.sqrt(1 - f / 4)), 1 - f / 2])  # as lib/normal.glsl decodes it
@@ -119,11 +123,11 @@ class _LayerTrace:
 
     def part(self, at: slice) -> None:
         """Trace some rays, none of background. A layer has no pixel twice, so that parts may run at once."""
-        pixel, place, sample = self.layer.pixel[at], self.layer.place[:, at], self.layer.direction[:, at]
+        pixel, sample = self.layer.pixel[at], self.layer.direction[:, at]
         seen = self.starts.depth[pixel] > 0
         if not seen.all():
-            pixel, place, sample = pixel[seen], place[:, seen], sample[:, seen]
-        origins, normals = self.starts.at(pixel, place)
+            pixel, sample = pixel[seen], sample[:, seen]
+        origins, normals = self.starts.at(pixel)
         tangent, bitangent = frames(normals)
         directions = tangent * sample[0] + bitangent * sample[1] + normals * sample[2]
         self.counts[pixel] += 1
