@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,19 +18,35 @@ from .methods.base import Method
 from .passes.denoise import Filter, Joint
 from .pipeline.settings import Settings, Shading, as_filter, as_method
 from .planner import Target, render_planned
-from .render.arrays import pixel_size
 from .render.picture import Picture
 from .render.renderer import Renderer
 from .scene.depth_image import DepthImage
-from .scene.projection import Size
+from .scene.projection import Size, pixel_size
 from .scene.screen_bounds import unseen
 
 
 def settings_of(
-    method: Method | str | None = None, blur_with: Filter | str | None = "joint", shading: Shading | None = None
+    method: Method | str | None = None,
+    blur_with: Filter | str | None = "joint",
+    shading: Shading | None = None,
+    rays: float = 0.0,
 ) -> Settings:
     """Return settings from parts or their names."""
-    return Settings(method=as_method(method), blur=as_filter(blur_with), shading=shading or Shading())
+    return Settings(method=as_method(method), blur=as_filter(blur_with), shading=shading or Shading(), rays=rays)
+
+
+class Goals(TypedDict, total=False):
+    """What a picture may take, or how wrong it may be; see :class:`~ssao_gl.Target`."""
+
+    budget_ms: float | None
+    max_error: float | None
+
+
+def _target(goals: Goals) -> Target | None:
+    """Return what is to be planned for; None where nothing is. Raises TypeError for other arguments, as Python would."""
+    if unknown := set(goals) - set(Goals.__annotations__):
+        raise TypeError(f"render() got an unexpected keyword argument {', '.join(map(repr, sorted(unknown)))}")
+    return Target(**goals) if any(goal is not None for goal in goals.values()) else None
 
 
 def _array(name: str, value: ArrayLike) -> NDArray[Any]:
@@ -51,25 +67,26 @@ def render(
     method: Method | str | None = None,
     blur: Filter | str | None = "joint",
     shading: Shading | None = None,
+    rays: float = 0.0,
     aovs: str | Sequence[str] = ("image", "visibility"),
     provider: str | Context = "auto",
-    budget_ms: float | None = None,
-    max_error: float | None = None,
+    **goals: Unpack[Goals],
 ) -> Picture:
     """Draw a scene with ambient occlusion, headless.
 
     scene: a path, a :class:`Scene`, a ``trimesh`` mesh or scene, or a ``pyrender.Scene``. camera: a :class:`Camera`, a camera
     file, or None for the scene's own or an automatic one. size: (width, height) in pixels. aovs: any of image,
     visibility, depth, normal, bent, color; or one text with names by commas. shading: light and background, ``Shading(background="white")``;
-    with ``"transparent"`` the image is RGBA. budget_ms, max_error: method and options are chosen; see :func:`ssao_gl.plan`.
+    with ``"transparent"`` the image is RGBA. rays: rays a pixel that correct what the screen cannot know, any share; needs the extra
+    ``truth``. goals: ``budget_ms``, ``max_error``, by which method and options are chosen; see :func:`ssao_gl.plan`.
     """
     drawn = as_scene(scene)
-    target = Target(budget_ms=budget_ms, max_error=max_error) if (budget_ms, max_error) != (None, None) else None
+    target = _target(goals)
     with Renderer(provider) as renderer:
         seen = None if camera is None else as_camera(camera, size)
         if why := unseen(drawn, seen, pixel_size(size)):
             logging.getLogger("ssao_gl").warning("%s", why)
-        return render_planned(renderer, drawn, seen, size, target, settings_of(method, blur, shading), aovs=aovs)
+        return render_planned(renderer, drawn, seen, size, target, settings_of(method, blur, shading, rays), aovs=aovs)
 
 
 def apply(

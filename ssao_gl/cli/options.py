@@ -16,7 +16,7 @@ from cyclopts import Parameter
 from ..errors import SceneError, SettingsError
 from ..loaders.load import load_scene
 from ..loaders.up_axis import AXES, up_direction
-from ..pipeline.presets import read_toml, settings_from, settings_toml
+from ..pipeline.presets import as_rays, read_toml, settings_from, settings_toml
 from ..pipeline.settings import CULLING_RULES, Settings
 from ..scene.camera import Camera
 from ..scene.lens import Lens, Orthographic, Perspective
@@ -52,6 +52,13 @@ class LookOptions:
     ] = None
     samples: Annotated[int | None, WHOLE, _option("Taps a pixel, where counted. [default: the method's]")] = None
     blur: Annotated[str | None, _option("none, lecture, separable or joint. [default: joint]")] = None
+    rays: Annotated[
+        str | None,
+        _option(
+            "Rays a pixel that correct what the screen cannot know, any share of one, like 0.25; needs the extra truth. [default: 0]",
+            rare=True,
+        ),
+    ] = None
     set: Annotated[
         tuple[str, ...],
         Parameter(
@@ -93,6 +100,7 @@ class LookOptions:
             assignments=self.set,
             overrides={"samples": self.samples},
             keep=["all"] if self.keep_all else self.keep,
+            rays=None if self.rays is None else as_rays(self.rays),
         )
         if self.radius is None:
             return settings

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 from ..errors import FormatError, InputWarning, SettingsError, near_miss, one_line
 from ..io.atomic import atomic_write, check_writable, is_folder, why_unreadable
 from ..io.streams import STDOUT, is_stream, output_suffix
-from ..render.arrays import MAX_SIDE, pixel_size
+from ..scene.projection import MAX_SIDE, pixel_size
 
 Item = TypeVar("Item")
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)

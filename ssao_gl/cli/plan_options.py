@@ -42,7 +42,7 @@ class PlanOptions:
         """None when nothing is asked for. Raises SettingsError for targets that cannot be, or beside options that it decides."""
         if self.budget_ms is None and self.max_error is None:
             return None
-        for option, value in (("--preset", look.preset), ("--samples", look.samples)):
+        for option, value in (("--preset", look.preset), ("--samples", look.samples), ("--rays", look.rays)):
             if value is not None:
                 raise SettingsError(f"{option} {value}: --budget-ms and --max-error choose that; leave one or the other out")
         return Target(budget_ms=self.budget_ms, max_error=self.max_error)

@@ -15,7 +15,8 @@ from cyclopts import Group, Parameter
 from ..errors import FormatError, encodable
 from ..experiment.culling_rules import MOST_VIEWS
 from ..experiment.culling_savings import FRAMES
-from ..experiment.estimators import ScreenSpace
+from ..experiment.estimators import RAYS, Rays, ScreenSpace
+from ..experiment.residual import residual_rays_upon
 from ..experiment.sweep import Sweep, SweepProgress, check_rounds, fitting_scenes, split_size
 from ..experiment.variants import TRUTH, variants
 from ..experiment.views import MeasuredView, views
@@ -70,6 +71,15 @@ class SweepOptions:
             help="Also draw with the rules of leaving out on and off: times, shares, differences. [default: for up to 6 views]",
         ),
     ] = None
+
+    rays: Annotated[
+        Listed,
+        _option(
+            "Also the methods corrected by so many rays a pixel: 1/4,1, or of a preset medium+1/4. [default: none]",
+            SWEEP,
+            "--rays",
+        ),
+    ] = ()
 
     def sizes(self) -> list[Size]:
         """Return (width, height) of all images, in pixels. Raises SettingsError."""
@@ -174,6 +184,7 @@ def report(
     sweep = Sweep(
         views=seen,
         methods=methods,
+        others=(*map(Rays, RAYS), *residual_rays_upon(methods, comma_list(what.rays))),
         tracing=tracing,
         rounds=what.rounds,
         fit=fitting_scenes(what.fit, seen),

@@ -16,6 +16,7 @@ from ..errors import FormatError
 from ..io import images
 from ..io.atomic import check_writable
 from ..io.cache import default_folder
+from ..render.picture import Picture
 from ..sampling.falloff import Falloff
 from ..scene.camera import Camera
 from ..scene.model import Scene
@@ -125,7 +126,7 @@ def truth(
     camera = view.choose(loaded)
     found = _traced(loaded, camera, size, tracing, folder)
     report = {"scene": loaded.name, "camera": camera.name or "unnamed"}
-    paths = found.picture(**report).save(output)
+    paths = _picture(found, **report).save(output)
     where = str(paths[0]) if len(paths) == 1 else f"{output} ({len(paths)} files)"
     say(f"{where}: {_summary(loaded, found)}")
     if json:
@@ -174,11 +175,19 @@ def _summary(scene: Scene, found: Truth) -> str:
     )
 
 
+def _picture(found: Truth, **report: object) -> Picture:
+    """Return visibility, standard error and depth as a picture, to be saved."""
+    table = {name: getattr(found.tracing, name) for name in ("radius", "falloff", "normals", "max_stderr", "seed")}
+    arrays = {"visibility": found.visibility, "stderr": found.stderr, "depth": found.depth}
+    size = list(found.visibility.shape[::-1])
+    return Picture(arrays, {"settings": {"truth": table | {"spp": found.spp}}, "size": size, **report})
+
+
 def _numbers(scene: Scene, found: Truth) -> dict[str, object]:
     covered = found.visibility[found.covered]
     return {
         "triangles": scene.triangles,
-        **found.picture().report,
+        **_picture(found).report,
         "stderr": found.noise,
         "rays": found.rays,
         "seconds": found.seconds,

@@ -108,20 +108,24 @@ class ScreenSpace:
         """Return it with its radius settled; a frame is drawn, so that it refuses here what it refuses."""
         settings = setup.settled(self.settings, self.radius_factor)
         setup.time(settings)
-        return _Drawn(setup, settings)
+        return Drawn(setup, settings)
 
 
 @dataclass(frozen=True, slots=True)
-class _Drawn:
+class Drawn:
+    """Settings that the renderer draws a view with."""
+
     setup: ViewSetup
     settings: Settings
-    preparation = Preparation()
-    """Nothing of it is made for a scene: programs and tables serve all of them."""
+    preparation: Preparation = Preparation()
+    """Nothing, where programs and tables serve every scene."""
 
     def draw(self) -> F32:
+        """Return visibility (h, w)."""
         return self.setup.draw(self.settings)
 
     def time(self) -> Sequence[PassTime]:
+        """Return what each pass of a frame took."""
         return self.setup.time(self.settings)
 
 

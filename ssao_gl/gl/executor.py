@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import moderngl
@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ContextError
-from ..graph.draws import DrawScene, Fullscreen, ViewValue
+from ..graph.draws import DrawScene, Fullscreen, HostWork, ViewValue
 from ..graph.plan import Plan, PlannedPass
-from ..graph.regions import DrawRegion
+from ..graph.regions import DrawRegion, Rect
 from ..scene.camera import Camera
 from ..scene.projection import ViewConstants
 from .draw_state import DrawState
@@ -34,12 +34,21 @@ class DrawTarget(Protocol):
     def use(self) -> None: ...
 
 
+HostFunction = Callable[[HostWork, ViewConstants, Rect, Sequence[NDArray[Any]]], NDArray[np.float32]]
+"""Does the work of a plan that is the host's: called with the part of the frame and the resources of it that it reads, row 0 at
+the bottom, it returns (h, w)."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SceneView:
-    """What a plan with a G-buffer draws: a scene on the GPU, and the camera that looks at it."""
+    """What a plan with a G-buffer draws: a scene on the GPU, and the camera that looks at it.
+
+    hosts: who does what the host computes of it, by the name of the work.
+    """
 
     buffers: SceneBuffers
     camera: Camera
+    hosts: Mapping[str, HostFunction] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,16 +77,21 @@ class DrawnFrame:
 
         Of resources of full size the part that was wanted.
         """
-        index = next(i for i, step in enumerate(self.plan.steps) if name in step.writes)
-        step = self.plan.steps[index]
-        components, dtype = FORMATS[step.task.writes[name].format]
-        kind = {"f1": "f1", "u4": "u4"}.get(dtype, "f4")
-        rect = (self._region.image_rect if step.scale == 1 else None) or (0, 0, *step.size)
-        # Four channels whatever the format: the only reading that OpenGL ES promises.
-        attachment = step.writes.index(name)
-        data = self._framebuffers[index].read(viewport=rect, components=4, attachment=attachment, dtype=kind)
-        array = np.frombuffer(data, {"f1": np.uint8, "u4": np.uint32, "f4": np.float32}[kind])
-        return array.reshape(rect[3], rect[2], 4)[..., :components]
+        return _read(self.plan, self._framebuffers, name, self._region)
+
+
+def _read(plan: Plan, framebuffers: Sequence[moderngl.Framebuffer], name: str, region: DrawRegion) -> NDArray[Any]:
+    """Return a resource as :meth:`DrawnFrame.read` does."""
+    index = next(i for i, step in enumerate(plan.steps) if name in step.writes)
+    step = plan.steps[index]
+    components, dtype = FORMATS[step.task.writes[name].format]
+    kind = {"f1": "f1", "u4": "u4"}.get(dtype, "f4")
+    rect = (region.image_rect if step.scale == 1 else None) or (0, 0, *step.size)
+    # Four channels whatever the format: the only reading that OpenGL ES promises.
+    attachment = step.writes.index(name)
+    data = framebuffers[index].read(viewport=rect, components=4, attachment=attachment, dtype=kind)
+    array = np.frombuffer(data, {"f1": np.uint8, "u4": np.uint32, "f4": np.float32}[kind])
+    return array.reshape(rect[3], rect[2], 4)[..., :components]
 
 
 class FrameExecutor:
@@ -113,7 +127,7 @@ class FrameExecutor:
         timer = self._restarted() if timed else None
         for index, step in enumerate(self.plan.steps):
             if timer:
-                timer.start()
+                timer.start(host=isinstance(step.task.draw, HostWork))
             self._draw(index, step, framebuffers[index], textures, view, scene, region)
             if timer:
                 timer.stop(step.task.name, step.task.role)
@@ -150,6 +164,11 @@ class FrameExecutor:
                     raise ContextError(f"pass '{step.task.name}' draws a scene, and this frame has none")
                 self._clear(step, target, draw.clears)
                 self._scene(draw, step, textures, view, scene)
+            case HostWork() as draw:
+                if scene is None or draw.work not in scene.hosts:
+                    raise ContextError(f"pass '{step.task.name}' is the host's work, and nobody does it in this frame")
+                self._clear(step, target, dict.fromkeys(step.writes, step.task.clear or (0.0,) * 4))
+                self._host(draw, step, textures, view, scene.hosts[draw.work], region)
 
     def _fullscreen(
         self,
@@ -213,6 +232,21 @@ class FrameExecutor:
         uniforms = {**units, **self._evaluated(draw, step, textures, view)}
         with self._state.nearest_surface():
             scene.buffers.draw(draw, scene.camera, view, step.writes, uniforms, target_cover(view, step))
+
+    def _host(
+        self,
+        draw: HostWork,
+        step: PlannedPass,
+        textures: Mapping[str, Any],
+        view: ViewConstants,
+        work: HostFunction,
+        region: DrawRegion,
+    ) -> None:
+        """Read back what the work asks for, and write its result where the image is wanted."""
+        rect = region.image_rect or (0, 0, *step.size)
+        read = [_read(self.plan, self.targets.framebuffers, name, region) for name in draw.samplers.values()]
+        found = np.ascontiguousarray(work(draw, view, rect, read), np.float32)
+        textures[step.writes[0]].write(found.tobytes(), viewport=rect)
 
     def _clear(self, step: PlannedPass, target: DrawTarget, values: Mapping[str, Sequence[float]]) -> None:
         """Fill targets with what is left where nothing is drawn; those that are drawn over stay."""

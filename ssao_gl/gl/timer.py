@@ -31,8 +31,9 @@ class Timer:
         self.clock = "gpu" if self._gpu else "wall"
         self._queries: list[Any] = []  # used again: moderngl never frees one
         self._passes: list[tuple[str, str]] = []
-        self._waits: list[float] = []
+        self._waits: list[float | None] = []
         self._cpu: list[float] = []
+        self._by_gpu = self._gpu
         self._began = self._cpu_began = 0.0
 
     def restart(self) -> None:
@@ -41,16 +42,21 @@ class Timer:
         if not self._gpu:
             self._ctx.mgl.finish()
 
-    def start(self) -> None:
-        if self._gpu:
-            if len(self._passes) == len(self._queries):
-                self._queries.append(self._ctx.mgl.query(time=True))
+    def start(self, *, host: bool = False) -> None:
+        """Begin a pass. ``host``: one that the host computes, by the wall clock whoever draws."""
+        self._by_gpu = self._gpu and not host
+        if self._by_gpu:
+            if len(self._passes) >= len(self._queries):
+                self._queries += [self._ctx.mgl.query(time=True) for _ in range(len(self._passes) + 1 - len(self._queries))]
             self._queries[len(self._passes)].mglo.begin()
+        elif host:
+            self._ctx.mgl.finish()
         self._began, self._cpu_began = time.perf_counter(), time.process_time()
 
     def stop(self, name: str, role: str) -> None:
-        if self._gpu:
+        if self._by_gpu:
             self._queries[len(self._passes)].mglo.end()
+            self._waits.append(None)
         else:
             self._ctx.mgl.finish()
             self._waits.append(1e3 * (time.perf_counter() - self._began))
@@ -58,8 +64,8 @@ class Timer:
         self._cpu.append(1e3 * (time.process_time() - self._cpu_began))
 
     def results(self) -> list[PassTime]:
-        spent = [query.elapsed * 1e-6 for query in self._queries[: len(self._passes)]] if self._gpu else self._waits
-        return [
-            PassTime(name, ms, self.clock, cpu, role)
-            for (name, role), ms, cpu in zip(self._passes, spent, self._cpu, strict=True)
-        ]
+        found = []
+        for index, ((name, role), wait, cpu) in enumerate(zip(self._passes, self._waits, self._cpu, strict=True)):
+            ms, clock = (self._queries[index].elapsed * 1e-6, "gpu") if wait is None else (wait, "wall")
+            found.append(PassTime(name, ms, clock, cpu, role))
+        return found

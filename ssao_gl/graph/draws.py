@@ -105,7 +105,19 @@ class DrawScene:
     view: str = "camera"
 
 
-Draw = Fullscreen | DrawScene
+@dataclass(frozen=True, slots=True)
+class HostWork:
+    """What the host computes between two draws, for the part of the image that is wanted: one number a pixel.
+
+    work: its name, by which the executor finds who does it. samplers: the resources that it reads. values: its settings.
+    """
+
+    work: str
+    samplers: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, Define] = field(default_factory=dict)
+
+
+Draw = Fullscreen | DrawScene | HostWork
 
 
 def as_uniforms(values: Mapping[str, object]) -> dict[str, Uniform]:

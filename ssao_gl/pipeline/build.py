@@ -37,6 +37,7 @@ from ..passes.resolution import downsample, upsample
 from ..scene.projection import Size, ViewConstants
 from .culling import CullingPlan, plan_culling
 from .outputs import aov_resources
+from .residual import check_no_rays, corrected
 from .settings import PRECISIONS, Settings, drawn_scale
 
 WHITE = (1.0, 1.0, 1.0)
@@ -62,7 +63,7 @@ def plan_render(
     passes = [
         gbuffer(WHITE, geometric=flat),
         layer_behind(traits.layer_gap * (settings.method.radius or 0.0), traits.layer_scale),
-        *_visibility(settings, culling, bent=bent),
+        *corrected(settings, _visibility(settings, culling, bent=bent), culling.mask),
         composite(settings.shading.ambient, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
     ]
     return compile(_at(settings.precision, passes, fine), size, aov_resources(aovs), notes=_notes(settings, culling))
@@ -88,6 +89,7 @@ def plan_apply(
     A method that looks at two layers looks at one. Raises SettingsError for methods that need a scene, and for an unknown
     kind of depth.
     """
+    check_no_rays(settings, "apply")
     single = settings.method.traits.single_layer
     layers = {"layer behind": "a depth buffer has one layer"} if single else {}
     settings = replace(settings, method=single) if single else settings

@@ -30,6 +30,10 @@ class FrameSetup:
     triangles: int | None
     view: ViewConstants
     region: DrawRegion
+    corner: tuple[int, int]
+    """Pixel of the whole picture at the lower left of what is drawn."""
+    whole: Size
+    """Of the picture that this is, or is a tile of."""
 
     def plan(self, aovs: Sequence[str], *, fine: bool = False) -> Plan:
         """Return the plan that a renderer draws it by; ``fine``: see :func:`.build.plan_render`."""
@@ -43,12 +47,14 @@ def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, li
     """
     settings = settings.settled(camera.ao_radius or scene.default_radius(), scene.background)
     (w, h), room = size, (limit - max(size)) // 2 // GUARD_STEP * GUARD_STEP
-    height = camera.lens.whole[1] if isinstance(camera.lens, CropLens) else h
+    tile = camera.lens if isinstance(camera.lens, CropLens) else CropLens(camera.lens, size, (0, 0))
+    height = tile.whole[1]
     border = max(0, min(guard_band(settings.method, height), room))
     outer = w + 2 * border, h + 2 * border
     wide = dataclasses.replace(camera, lens=CropLens(camera.lens, size, (-border, -border))) if border else camera
     view = wide.view(outer)
     check_camera(settings, view)
     covered = screen_bounds(scene.bounds, camera, view)
+    corner = tile.corner[0] - border, tile.corner[1] - border
     region = DrawRegion((border, border, w, h) if border else None, None if "background" in settings.keep else covered)
-    return FrameSetup(settings, outer, None if covered else scene.triangles, view, region)
+    return FrameSetup(settings, outer, None if covered else scene.triangles, view, region, corner, tile.whole)

@@ -21,7 +21,7 @@ DEFAULT_METHOD = "bitmask"
 COUNTS = ("slices", "directions", "pairs", "steps")
 """Settings that stand for the number of taps, where a method has no ``samples``."""
 
-NAMES = ("method", "preset", "blur", "normals", "precision", "keep")
+NAMES = ("method", "preset", "blur", "normals", "precision", "rays", "keep")
 """Settings of their own, in no group."""
 
 
@@ -57,12 +57,13 @@ def settings_from(
     assignments: Iterable[str] = (),
     overrides: Mapping[str, Any] | None = None,
     keep: Iterable[str] = (),
+    rays: float | None = None,
 ) -> Settings:
     """Return settings in rising order of precedence: defaults, the preset, ``table`` (from TOML), names, ``group.key=value``
     texts, overrides.
 
     Groups are ``shading``, ``filter_named`` (the chosen filter) and the name of the chosen method; a key without a group is the
-    method's, but for ``normals`` and ``precision``. ``overrides`` are fields of the method. Raises SettingsError naming what is
+    method's, but for ``normals``, ``precision`` and ``rays``. ``overrides`` are fields of the method. Raises SettingsError naming what is
     unknown.
     """
     table = dict(table or {})
@@ -73,6 +74,7 @@ def settings_from(
             "shading": Shading(),
             "normals": _text(table, "normals", "geometric"),
             "precision": _text(table, "precision", "high"),
+            "rays": table.get("rays", 0.0) if rays is None else rays,
             "keep": _rules([*_names(table, "keep"), *keep]),
         }
     )
@@ -124,8 +126,8 @@ class _Chosen:
         if not equals:
             raise SettingsError(f"--set {text}: must be key=value or group.key=value")
         key, value = key.strip(), value.strip()
-        if key in ("normals", "precision"):
-            self.parts[key] = value
+        if key in ("normals", "precision", "rays"):
+            self.parts[key] = as_rays(value) if key == "rays" else value
             return
         group, dot, field = key.partition(".")
         if dot and group in registry() and group != self.method:
@@ -139,6 +141,15 @@ class _Chosen:
             ways = _ways_to_count(self.parts["method"]) if key == "samples" else ""
             raise SettingsError(f"--{key}: {self.method} has no such setting; {ways or 'it has ' + ', '.join(fields)}")
         self.parts["method"] = assign(self.parts["method"], {key: value})
+
+
+def as_rays(text: str) -> float:
+    """Return rays a pixel from a number, or from a fraction like 1/4. Raises SettingsError."""
+    above, slash, below = text.partition("/")
+    try:
+        return float(above) / (float(below) if slash else 1.0)
+    except (ValueError, ZeroDivisionError):
+        raise SettingsError(f"rays={text}: must be a number of rays a pixel, like 0.25, 1/4 or 2") from None
 
 
 def _ways_to_count(record: Any) -> str:

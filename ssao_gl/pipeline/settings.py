@@ -87,6 +87,12 @@ class Settings:
         "mobile: weights and colours as half floats, where the driver has them; never what is a length",
         choices=tuple(PRECISIONS),
     )
+    rays: float = setting(
+        0.0,
+        "rays a pixel that correct what the screen cannot know, any share; 0: none; they need a scene and the extra truth",
+        low=0,
+        high=4096,
+    )
     keep: tuple[str, ...] = ()
     """Rules of leaving out that are switched off, of :data:`CULLING_RULES`."""
 
@@ -122,6 +128,7 @@ class Settings:
             "shading": as_table(self.shading),
             "normals": self.normals,
             "precision": self.precision,
+            **({"rays": self.rays} if self.rays else {}),
             **({"keep": list(self.keep)} if self.keep else {}),
         }
 

@@ -15,11 +15,10 @@ from ..passes.denoise import Joint
 from ..pipeline.build import EYE_DEPTH
 from ..pipeline.outputs import aov_names
 from ..pipeline.settings import Settings
-from ..render.arrays import pixel_size
 from ..scene.camera import Camera
 from ..scene.depth_image import DepthImage
 from ..scene.model import Scene
-from ..scene.projection import Size
+from ..scene.projection import Size, pixel_size
 from .calibration import calibrated, clock
 from .candidates import CANDIDATES, PROBES, Candidate, chosen_from, differing
 from .choice import Choice, Prediction, Target, choose, times
@@ -94,6 +93,8 @@ def _template(settings: Settings | None) -> Settings:
         raise SettingsError("the planner knows its errors under the filter 'joint' as shipped: leave blur out")
     if given.normals != "geometric":
         raise SettingsError("the planner knows its errors for geometric normals: leave normals out")
+    if given.rays:
+        raise SettingsError("the planner knows its errors without rays: leave rays out")
     return given
 
 

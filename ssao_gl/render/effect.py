@@ -23,10 +23,10 @@ from ..gl.timer import PassTime
 from ..graph.names import COLOR, GIVEN_DEPTH, GIVEN_NORMAL, IMAGE, VISIBILITY
 from ..graph.plan import Plan
 from ..pipeline.build import WINDOW_DEPTH, check_camera, plan_apply
+from ..pipeline.residual import check_no_rays
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera
-from ..scene.projection import Size
-from .arrays import pixel_size
+from ..scene.projection import Size, pixel_size
 
 MOST_LAYOUTS = 4
 """Kinds of call (with and without colour, normals, ...) whose textures stay."""
@@ -193,6 +193,7 @@ class Effect:
 
 
 def _with_radius(settings: Settings) -> Settings:
+    check_no_rays(settings, "Effect")
     if settings.method.radius is None:
         raise SettingsError(f"Effect: give {settings.method.name} a radius, in the units of your depth")
     return settings

@@ -32,12 +32,13 @@ from ..pipeline.settings import Settings
 from ..scene.camera import Camera
 from ..scene.depth_image import DepthImage
 from ..scene.model import Scene
-from ..scene.projection import Size
-from .arrays import check_arrays, check_kinds, is_fine, pixel_size, radius_of, settled_depth
+from ..scene.projection import Size, pixel_size
+from .arrays import check_arrays, check_kinds, is_fine, radius_of, settled_depth
 from .deprecated import drawn_to_budget
 from .frame_report import frame_report
 from .memory import check_room
 from .picture import Picture
+from .ray_hosts import RayHosts
 from .readback import read_aov, time_passes
 from .upsampled import needs_upsampling, upsampled
 
@@ -82,6 +83,7 @@ class Renderer:
             self.ctx.leave()
         self._frames: FrameCache[Any] = FrameCache(self._resources, keep)
         self._scene: SceneBuffers | None = None
+        self._rays = RayHosts()
         if self._opened:
             weakref.finalize(self, self.ctx.release).atexit = False  # with a context go all of its objects
 
@@ -172,10 +174,11 @@ class Renderer:
         size, aovs = pixel_size(size), aov_names(aovs)
         check_kinds(scene, camera, settings)
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
-        seen = SceneView(self._uploaded_scene(scene), camera)
+        buffers = self._uploaded_scene(scene)
         made = frame_setup(scene, camera, size, settings or Settings(), self.ctx.max_size)
         key = ("render", made.settings, made.outer, tuple(aovs), made.triangles, fine)
-        return made, self._frames.get(key, lambda: made.plan(aovs, fine=fine), self._check_room), seen
+        frame = self._frames.get(key, lambda: made.plan(aovs, fine=fine), self._check_room)
+        return made, frame, SceneView(buffers, camera, self._rays.of(frame.plan, scene, camera, made))
 
     def _uploaded_scene(self, scene: Scene) -> SceneBuffers:
         """Return the scene on the GPU."""
@@ -286,7 +289,6 @@ class Renderer:
             self.ctx.check_error(what)
 
     def _check_room(self, plan: Plan) -> None:
-        """Raise ContextError when a software renderer would not get the memory that a plan takes."""
         if self.ctx.software:
             check_room(plan.bytes, plan.frame)
 
@@ -302,7 +304,7 @@ class Renderer:
                 if self._scene is not None:
                     self._scene.release()
                 self._frames.clear()
-                self._scene = None
+                self._scene, self._rays = None, RayHosts()
                 self._resources.release()
             if self._opened:
                 self.ctx.release()

@@ -43,7 +43,7 @@ def hemisphere_directions(normals: F32, samples: F64, random: np.random.Generato
     # The upper 23 bits of a sample below the exponent of 1.0: flipping them there gives a float in [1, 2) without a cast.
     mask = random.integers(0, 1 << 23, count, np.uint32) | np.uint32(0x3F800000)
     heights = (samples[:, 0] * 2.0**23).astype(np.uint32)
-    tangent, bitangent = _frames(normals, random.random(count, np.float32) * np.float32(2 * np.pi))
+    tangent, bitangent = _turned_frames(normals, random.random(count, np.float32) * np.float32(2 * np.pi))
     up = np.ascontiguousarray(normals.T)
     angles = 2 * np.pi * samples[:, 1]
     out, other = np.empty((3, count), np.float32), np.empty((3, count), np.float32)
@@ -63,16 +63,23 @@ def hemisphere_directions(normals: F32, samples: F64, random: np.random.Generato
         yield out.T
 
 
-def _frames(normals: F32, turn: F32) -> tuple[F32, F32]:
-    """Two unit vectors (3, n) at right angles to each normal (n, 3) and to each other, turned about it by ``turn`` (n,).
+def frames(normals: F32) -> tuple[F32, F32]:
+    """Two unit vectors (3, n) at right angles to each normal (3, n) and to each other.
 
     The frame without a seam of Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 2017.
     """
-    x, y, z = normals.T
+    x, y, z = normals
     sign = np.where(z < 0, np.float32(-1), np.float32(1))
     a = -1 / (sign + z)
     b = x * y * a
-    first = np.stack([1 + sign * x * x * a, sign * b, -sign * x])
-    second = np.stack([b, sign + y * y * a, -y])
-    c, s = np.cos(turn), np.sin(turn)
+    first: F32 = np.stack([1 + sign * x * x * a, sign * b, -sign * x])
+    second: F32 = np.stack([b, sign + y * y * a, -y])
+    return first, second
+
+
+def _turned_frames(normals: F32, turn: F32) -> tuple[F32, F32]:
+    """Return :func:`frames` of normals (n, 3), turned about them by ``turn`` (n,)."""
+    first, second = frames(normals.T)
+    c: F32 = np.cos(turn)
+    s: F32 = np.sin(turn)
     return c * first + s * second, c * second - s * first

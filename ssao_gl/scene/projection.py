@@ -21,6 +21,24 @@ Matrix = NDArray[np.float64]
 Size = tuple[int, int]
 """(width, height) in pixels."""
 
+MAX_SIDE = 1 << 16
+"""Of an image, pixels."""
+
+
+def pixel_size(size: Any) -> Size:
+    """Return (width, height) as whole numbers from two numbers, whole floats too. Raises SettingsError unless sides are 1 to 65536."""
+    try:
+        w, h = (int(side) for side in size if not isinstance(side, str))
+        fits = (w, h) == tuple(size) and min(w, h) >= 1 and max(w, h) <= MAX_SIDE
+    except (TypeError, ValueError, OverflowError):
+        fits = False
+    if not fits:
+        shown = "x".join(map(str, size)) if isinstance(size, tuple | list) else repr(size)
+        raise SettingsError(
+            f"size {shown}: must be (width, height) in whole pixels, sides from 1 to {MAX_SIDE}, like (1280, 720)"
+        )
+    return w, h
+
 
 @dataclass(frozen=True, eq=False)
 class ViewConstants:

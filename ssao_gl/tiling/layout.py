@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ..errors import SettingsError
 from ..methods.base import Method
 from ..pipeline.build import plan_render
+from ..pipeline.residual import residual_reach
 from ..pipeline.settings import Settings, guard_band
 from ..scene.camera import Camera
 from ..scene.lens import CropLens
@@ -200,8 +201,8 @@ def halo(scene: Scene, camera: Camera, size: Size, settings: Settings) -> int:
     taps = tap_reach(method, camera.view(size), nearest(scene, camera, size))
     # A filter without a width of its own takes the half of the noise tile.
     filtered = (settings.blur.radius or method.traits.noise_tile) if settings.blur else 0
-    # Beyond both, the neighbours that upsampling and edges ask for.
-    return math.ceil(min(taps, 1e9)) + (2 * filtered + 4) * method.traits.scale
+    # Beyond both, the neighbours that upsampling and edges ask for; then the filter of rays, for what it corrects.
+    return math.ceil(min(taps, 1e9)) + (2 * filtered + 4) * method.traits.scale + residual_reach(settings)
 
 
 def unguarded(settings: Settings) -> Settings:

@@ -9,19 +9,16 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
-from ..render.arrays import pixel_size
-from ..render.picture import Picture
 from ..sampling.falloff import Falloff, rho
 from ..sampling.hemisphere import hemisphere_directions, sobol_points
 from ..scene.camera import Camera
 from ..scene.model import Scene
-from ..scene.projection import Size
+from ..scene.projection import Size, pixel_size
 from .rays import DIAMETER, OFFSET, RayScene, threads
 from .settings import Tracing
 from .store import Store, content_key, store
@@ -74,13 +71,6 @@ class Truth:
     def noise(self) -> float:
         """Root mean square of the standard errors over the surface: the RMSE to expect against infinitely many rays."""
         return rms(self.stderr[self.covered])
-
-    def picture(self, **report: Any) -> Picture:
-        """As a :class:`~ssao_gl.Picture` of visibility, stderr and depth, to be saved."""
-        table = {name: getattr(self.tracing, name) for name in ("radius", "falloff", "normals", "max_stderr", "seed")}
-        arrays = {"visibility": self.visibility, "stderr": self.stderr, "depth": self.depth}
-        size = list(self.visibility.shape[::-1])
-        return Picture(arrays, {"settings": {"truth": table | {"spp": self.spp}}, "size": size, **report})
 
 
 def trace(

@@ -98,6 +98,22 @@ def test_tiles_are_the_whole(any_renderer: ao.Renderer, embedded: Scene, view: s
     assert (off > STEP).mean() <= 1e-4 * spread(made.method) and (off > 0).mean() <= 1e-3
 
 
+@pytest.mark.parametrize("share", [0.25, 1.3])
+@pytest.mark.parametrize("view", ["perspective", "off-centre", "orthographic"])
+def test_rays_are_those_of_the_whole(any_renderer: ao.Renderer, embedded: Scene, view: str, share: float) -> None:
+    """Where they start is rounded otherwise, so a ray in a thousand may meet another thing; the filter leaves little of it."""
+    pytest.importorskip("embreex")
+    scene, cam = views(embedded)[view]
+    made = settings("bitmask", ao.Joint(), rays=share)
+    whole = any_renderer.render(scene, cam, SIZE, made, aovs=("visibility",), visibility_bits=8).visibility
+    off = np.abs(stitched(any_renderer, scene, cam, made, 336, ("visibility",), 8)["visibility"] - whole)[RIM:-RIM, RIM:-RIM]
+    assert (off > STEP).mean() <= 1e-3 and (off > 0).mean() <= 1e-2 and off.max() <= 0.1
+    bare = np.abs(
+        any_renderer.render(scene, cam, SIZE, settings("bitmask", ao.Joint()), aovs=("visibility",)).visibility - whole
+    )
+    assert (bare > STEP).mean() > 0.1, "rays change it"
+
+
 @pytest.mark.parametrize("blur", [ao.LectureBlur(), ao.Separable(radius=8)], ids=["lecture", "separable"])
 @pytest.mark.parametrize("tile", [64, 80, 100, 160, 352])
 def test_tiles_of_any_side_under_any_filter(any_renderer: ao.Renderer, embedded: Scene, tile: int, blur: Any) -> None:

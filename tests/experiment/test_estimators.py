@@ -15,6 +15,7 @@ import ssao_gl as ao
 from ssao_gl.errors import SettingsError
 from ssao_gl.experiment.environment import machine
 from ssao_gl.experiment.estimators import Preparation, Prepared, Rays, ScreenSpace
+from ssao_gl.experiment.residual import ResidualRays
 from ssao_gl.experiment.results import results
 from ssao_gl.experiment.run import Run
 from ssao_gl.experiment.sweep import Sweep
@@ -99,6 +100,16 @@ def test_an_estimator_of_somebody_elses_is_measured_like_ours(tmp_path: Path, an
     assert "grey 0.5" in (tmp_path / "report.html").read_text() and "grey,0.5" in (tmp_path / "results.csv").read_text()
     rows = [json.loads(line)["row"] for line in (tmp_path / "journal.jsonl").read_text().splitlines()[1:]]
     assert {row["kind"] for row in rows} == {"view", "estimate"}
+
+
+def test_a_few_rays_upon_a_method(tmp_path: Path, any_renderer: ao.Renderer) -> None:
+    """Their tree is prepared, their rays and their filter are part of each frame."""
+    base = ScreenSpace("bitmask", "medium", ao.Settings())
+    found = measured(tmp_path, any_renderer, ResidualRays(base, 0.25))
+    point = next(point for point in found["sizes"][0]["shipped"] if point["label"] == "bitmask medium + rays 1/4")
+    assert point["family"] == "bitmask + rays" and not point["realtime"] and point["prepared"]["ms"] > 0
+    row = next(row for row in found["rows"]["estimate"] if row["variant"] == point["label"])
+    assert {"rays", "gather residuals", "residual filter"} <= set(row["times"]["passes"]) and row["settings"]["rays"] == 0.25
 
 
 def test_names_are_escaped_in_pages(tmp_path: Path, any_renderer: ao.Renderer) -> None:

@@ -23,9 +23,10 @@ from ssao_gl.methods.registry import registry
 from ssao_gl.passes.denoise import FILTERS
 from ssao_gl.pipeline.presets import read_toml, settings_from
 from ssao_gl.pipeline.settings import Settings, Shading
-from ssao_gl.render.arrays import check_arrays, pixel_size
+from ssao_gl.render.arrays import check_arrays
 from ssao_gl.sampling.disk import Kernel, Rotation
 from ssao_gl.scene.camera import Camera
+from ssao_gl.scene.projection import pixel_size
 from ssao_gl.settings import as_table, assign, limits, validate
 
 RECORDS = [*registry().values(), *FILTERS.values(), Shading, Kernel, Rotation]

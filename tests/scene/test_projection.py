@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.render.arrays import pixel_size
+from ssao_gl.scene.projection import pixel_size
 
 
 @pytest.mark.parametrize("size", [(64, 48), [64, 48], (64.0, 48.0), np.array([64, 48]), (np.int32(64), np.float64(48))])
