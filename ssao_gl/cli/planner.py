@@ -17,7 +17,10 @@ from .options import GlOption
 from .output import check_json, comma_list, parse_size, say, write_json
 
 app = App(
-    name="planner", help="Fit the planner's table of errors or the shares of veils, or check how good plans are.", show=False, help_epilogue=""
+    name="planner",
+    help="Fit the planner's table of errors or the shares of veils, or check how good plans are.",
+    show=False,
+    help_epilogue="",
 )
 
 

@@ -61,7 +61,9 @@ class Bitmask:
         None, "of what a texel shows, behind it; none: as fitted, like the shares below", unit="radii", low=0, high=1000
     )
     bridge: float = setting(2.5, "thickness added per distance to the next tap, so that slabs leave no gaps", low=0, high=1000)
-    opacity: float | None = setting(None, "share by which a slab hides; 1, with veils of 0, is what a depth buffer shows", low=0, high=1)
+    opacity: float | None = setting(
+        None, "share by which a slab hides; 1, with veils of 0, is what a depth buffer shows", low=0, high=1
+    )
     near_veil: float | None = setting(
         None, "share by which all that lies behind a texel is hidden, where that is within 1.5 radii", low=0, high=1
     )
@@ -69,7 +71,9 @@ class Bitmask:
     layers: int = setting(
         1, "2: also what lies directly behind (the renderer draws it; arrays and effects have one)", low=1, high=2
     )
-    layer_scale: int = setting(1, "1, 2 or 4: pixels of the image along each side of a texel of what lies behind", low=1, high=4)
+    layer_scale: int = setting(
+        1, "1, 2 or 4: pixels of the image along each side of a texel of what lies behind", low=1, high=4
+    )
     falloff: str = setting("hard", "how an occluder counts with its distance, as in ray-traced truth", choices=FALLOFFS)
     scale: int = setting(
         2, "1, 2 or 4: pixels of the image along each side of a pixel for which occlusion is drawn", low=1, high=4
@@ -144,13 +148,17 @@ class Bitmask:
         angle, fit = math.pi / self.slices, self.fitted
         shares = {"u_shares": (fit.opacity, fit.near_veil, fit.veil)} if "VEIL" in self.defines() else {}
         behind = ViewValue("resource_size", self.layer_scale, inverse=True, resource=DEPTH_LAYER_2)
-        return shares | ({"u_behind_texel": behind} if self.layers == 2 else {}) | {
-            "u_per_radius": 1 / self.radius,
-            "u_thickness": (fit.thickness, self.bridge),
-            "u_max_radius": self.max_radius,
-            "u_noise_width": float(self.tile),
-            "u_next_slice": (math.cos(angle), math.sin(angle)),
-        }
+        return (
+            shares
+            | ({"u_behind_texel": behind} if self.layers == 2 else {})
+            | {
+                "u_per_radius": 1 / self.radius,
+                "u_thickness": (fit.thickness, self.bridge),
+                "u_max_radius": self.max_radius,
+                "u_noise_width": float(self.tile),
+                "u_next_slice": (math.cos(angle), math.sin(angle)),
+            }
+        )
 
     def tables(self, outputs: Collection[str] = ()) -> Mapping[str, NDArray[np.float32]]:
         """Directions and step offsets, both stratified over the tile and in an order that sets neighbours apart.

@@ -101,7 +101,11 @@ def plan_apply(
     # A depth buffer of the image costs more memory than its one use costs time where occlusion is drawn at a smaller size.
     mask = DepthTest(SCENE_MASK) if drawn_scale(settings) == 1 else None
     culling = plan_culling(settings, mask, size, None, flat_normals=not normals, bent=bent)
-    notes = layers | _notes(settings, culling) | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
+    notes = (
+        layers
+        | _notes(settings, culling)
+        | ({} if normals else {"encode normals": "no normals were given: rebuilt from depth"})
+    )
     passes = [
         linearize(window=depth == WINDOW_DEPTH, mask=culling.mask is not None),
         encode_normals() if normals else reconstruct_normals(),

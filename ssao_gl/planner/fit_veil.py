@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..io.cache import default_folder
-from ..methods.base import Method
-from ..pipeline.presets import preset
+from ..methods.bitmask import Bitmask
 from ..pipeline.settings import Settings
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
@@ -36,7 +35,7 @@ FITTED: Mapping[str, str] = {"scale 4": "draft", "one layer": "medium", "two lay
 
 
 @dataclass(frozen=True, slots=True)
-class Sums:
+class ShareSums:
     """What least squares needs of the pixels of a view: means of products.
 
     gram: (3, 3), of the pictures of unit shares. with_truth: (3,), of each with what rays find hidden. truth2: of that with
@@ -51,16 +50,16 @@ class Sums:
 
     def rmse(self, shares: F64) -> float:
         """Return the RMSE of visibility under some shares, the truth's noise taken out."""
-        square = shares @ self.gram @ shares - 2 * shares @ self.with_truth + self.truth2 - self.noise2
-        return float(np.sqrt(max(square, 0.0)))
+        square = float(shares @ self.gram @ shares - 2 * shares @ self.with_truth) + self.truth2 - self.noise2
+        return max(square, 0.0) ** 0.5
 
 
 def fit_veils(paths: Sequence[Path], size: Size, renderer: Renderer, say: Any) -> dict[str, Any]:
     """Return the content of ``veil_fits.json``. ``say`` is told each view as it is done. Raises SceneError, SettingsError."""
-    sums: dict[str, list[Sums]] = {kind: [] for kind in FITTED}
+    sums: dict[str, list[ShareSums]] = {kind: [] for kind in FITTED}
     for scene, camera in file_views(paths):
         for kind, name in FITTED.items():
-            sums[kind].append(view_sums(renderer, scene, camera, size, preset("bitmask", name)))
+            sums[kind].append(view_sums(renderer, scene, camera, size, _bitmask(name)))
         say(f"{scene.name}:{camera.name}")
     fits = {kind: _told(kind, some) for kind, some in sums.items()}
     record = {
@@ -73,36 +72,41 @@ def fit_veils(paths: Sequence[Path], size: Size, renderer: Renderer, say: Any) -
     return {"record": record, "fits": fits}
 
 
-def view_sums(renderer: Renderer, scene: Scene, camera: Camera, size: Size, method: Method) -> Sums:
+def view_sums(renderer: Renderer, scene: Scene, camera: Camera, size: Size, method: Bitmask) -> ShareSums:
     """Draw a view by each unit share and return the sums against rays."""
     radius = camera.ao_radius or scene.default_radius()
     truth = trace(scene, camera, size, Tracing(radius=radius, spp=SPP), cache=default_folder())
     hidden = []
     for one in SHARES:
-        shares = {name: float(name == one) for name in SHARES}
-        settings = Settings(method=dataclasses.replace(method, **shares)).with_radius(radius)  # type: ignore[type-var]
+        unit = dataclasses.replace(method, **dict.fromkeys(SHARES, 0.0) | {one: 1.0})  # type: ignore[arg-type]
+        settings = Settings(method=unit).with_radius(radius)
         drawn = renderer.render(scene, camera, size, settings, aovs=("visibility", "depth"))
         hidden.append(1 - drawn.visibility)
     where = (drawn.depth > 0) & truth.covered
     x = np.stack([picture[where] for picture in hidden], 1).astype(np.float64)
     y = 1 - truth.visibility[where].astype(np.float64)
     noise2 = float(np.mean(truth.stderr[where].astype(np.float64) ** 2))
-    return Sums(scene.name, x.T @ x / len(y), x.T @ y / len(y), float(np.mean(y**2)), noise2)
+    return ShareSums(scene.name, x.T @ x / len(y), x.T @ y / len(y), float(np.mean(y**2)), noise2)
 
 
-def fitted(some: Iterable[Sums]) -> F64:
+def fit_shares(some: Iterable[ShareSums]) -> F64:
     """Return the shares (3,) of least squares. A veil that shows nowhere gets none."""
     some = list(some)
-    gram, with_truth = sum(one.gram for one in some), sum(one.with_truth for one in some)
-    return np.asarray(np.linalg.lstsq(np.asarray(gram), np.asarray(with_truth), rcond=1e-9)[0]).clip(0, 1)
+    gram, with_truth = (np.sum([getattr(one, name) for one in some], 0) for name in ("gram", "with_truth"))
+    return np.asarray(np.linalg.lstsq(gram, with_truth, rcond=1e-9)[0]).clip(0, 1)
 
 
-def _told(kind: str, some: Sequence[Sums]) -> dict[str, Any]:
-    shares = fitted(some)
+def _bitmask(name: str) -> Bitmask:
+    """Return a preset of the method."""
+    return Bitmask(**Bitmask.presets[name])
+
+
+def _told(kind: str, some: Sequence[ShareSums]) -> dict[str, Any]:
+    shares = fit_shares(some)
     left_out = [
-        one.rmse(fitted(other for other in some if other.scene != one.scene)) for one in some
+        one.rmse(fit_shares(other for other in some if other.scene != one.scene)) for one in some
     ] if len({one.scene for one in some}) > 1 else []  # fmt: skip
-    method = preset("bitmask", FITTED[kind])
+    method = _bitmask(FITTED[kind])
     return {
         **{name: round(float(share), 3) for name, share in zip(SHARES, shares, strict=True)},
         "thickness": method.fitted.thickness,

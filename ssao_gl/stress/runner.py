@@ -64,7 +64,7 @@ class CaseRunner:
         self.shots.append(shot)
         settings = self.subject.settings(shot)
         if shot.scene is None and "second_layer" in settings.method.traits.inputs:
-            raise NotApplicable("it needs a scene to draw two layers of, and a depth image has one")
+            raise NotApplicable("a depth image has one layer, for which the method is another")
         watched = dataclasses.replace(settings, method=finite_check.with_finite_check(settings.method))
         finite = self._draw(renderer, shot, watched, ("visibility",)).visibility
         picture = self._draw(renderer, shot, settings, ("visibility", "depth", "normal"))

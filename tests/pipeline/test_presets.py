@@ -50,8 +50,8 @@ def test_groups() -> None:
 
 def test_presets() -> None:
     assert settings_from(preset_name="medium") == Settings()
-    high = settings_from(preset_name="high", assignments=["steps=9"]).method
-    assert (high.scale, high.steps) == (1, 9)  # type: ignore[attr-defined]
+    ultra = settings_from(preset_name="ultra", assignments=["steps=9"]).method
+    assert (ultra.scale, ultra.steps) == (1, 9)  # type: ignore[attr-defined]
     assert settings_from({"preset": "high"}, preset_name="draft").method == settings_from(preset_name="draft").method
     assert settings_from({"preset": "high", "bitmask": {"steps": 3}}).method.steps == 3  # type: ignore[attr-defined]
 
