@@ -24,6 +24,7 @@ uniform sampler2D u_z;
 #ifdef SECOND_LAYER
 uniform sampler2D u_z2;
 uniform vec2 u_behind_texel;  // one pixel, as uv of u_z2
+uniform float u_behind_scale;  // pixels along each side of a texel of it
 #endif
 uniform sampler2D u_noise;    // (cos, sin) of the first slice's direction, place of the taps between their steps
 uniform float u_noise_width;  // pixels
@@ -109,7 +110,10 @@ void ssao_texel(
     vec2 tap = w.at + offset;
     ssao_hide(w, offset, SAMPLE(u_z, tap * u_texel).r * u_per_radius, side, thickness, ahead, last.xy, hidden);
 #ifdef SECOND_LAYER
-    ssao_hide(w, offset, SAMPLE(u_z2, tap * u_behind_texel).r * u_per_radius, side, thickness, ahead, last.zw, hidden);
+    // A texel that stands for several pixels shows what lies behind its own middle.
+    vec2 middle = (floor(tap / u_behind_scale) + 0.5) * u_behind_scale;
+    float z = SAMPLE(u_z2, middle * u_behind_texel).r * u_per_radius;
+    ssao_hide(w, middle - w.at, z, side, thickness, ahead, last.zw, hidden);
 #endif
 }
 

@@ -150,7 +150,7 @@ class Bitmask:
         behind = ViewValue("resource_size", self.layer_scale, inverse=True, resource=DEPTH_LAYER_2)
         return (
             shares
-            | ({"u_behind_texel": behind} if self.layers == 2 else {})
+            | ({"u_behind_texel": behind, "u_behind_scale": float(self.layer_scale)} if self.layers == 2 else {})
             | {
                 "u_per_radius": 1 / self.radius,
                 "u_thickness": (fit.thickness, self.bridge),
