@@ -22,8 +22,8 @@ from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
 from ..truth import Tracing, Truth, trace
+from ..truth.batches import TraceProgress
 from ..truth.settings import MOST_SPP, NORMALS, SPP
-from ..truth.trace import TraceProgress
 from .help_pages import OUTPUT, RAYS
 from .options import ViewOptions
 from .output import QUIET, check_json, check_output, check_radius, say, write_json
