@@ -58,6 +58,8 @@ class RayScene:
         _check_memory(scene)
         self.center, self.scale = _local(scene)
         self._parts = [(mesh, self._to_local(m)) for mesh in scene.drawn for m in mesh.transforms]
+        self.handedness = np.array([-1.0 if np.linalg.det(m[:, :3]) < 0 else 1.0 for _, m in self._parts])
+        """(parts,): -1 where an instance is a mirror image, whose triangles run the other way round."""
         self._cut = np.array([mesh.cutoff is not None for mesh, _ in self._parts], bool)
         self._embree = embree.rtcore_scene.EmbreeScene(robust=True)  # no leaks along edges
         for draw, matrix in self._parts:

@@ -1,0 +1,139 @@
+"""Vertices as places: each stands for the triangles around it, by the share that it has in their interpolated values.
+
+A vertex's value is the mean of occlusion over its fan, weighted by its barycentric coordinate: the projection to piecewise
+linear functions with a lumped mass matrix (Kavan, Bargteil & Sloan, "Least Squares Vertex Baking", EGSR 2011, solve the whole
+system). So a vertex in a corner shows what is around it, and not the one point that touches the other wall.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..sampling.hemisphere import sobol_points
+from ..truth.batches import Points
+from ..truth.rays import RayScene
+from .primitives import Primitive
+from .starts import starts
+
+F64 = NDArray[np.float64]
+I64 = NDArray[np.int64]
+CHUNK = 1 << 16
+"""Triangles a step."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fans:
+    """Places of vertices that have a fan.
+
+    Corners of triangles, sorted by the place that they belong to: primitive, triangle and corner (0 to 2) of each (c,). reach:
+    (c,) number of the place plus the share of its fan up to and with that corner's triangle, by area. places: (n,) of the
+    places with an area, as numbers that ``reach`` counts. side: 1 front, -1 back.
+    """
+
+    rays: RayScene
+    primitives: Sequence[Primitive]
+    primitive: NDArray[np.int32]
+    triangle: I64
+    corner: NDArray[np.int8]
+    reach: F64
+    places: I64
+    points_each: int
+    seed: int
+    side: float = 1.0
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def points(self, at: slice) -> Points:
+        """Points over the fans, as dense as the vertices' weights are; one of the instances each."""
+        places = self.places[at]
+        shift = np.random.default_rng([self.seed, at.start, 1]).random((4, len(places)))
+        found = []
+        for one in _lattice(self.points_each, self.seed):
+            choice, instance, height, along = (one[:, None] + shift) % 1
+            entry = np.minimum(np.searchsorted(self.reach, places + choice, "right"), len(self.reach) - 1)
+            # Density of the vertex's own coordinate b: 6 b (1 - b), so its distribution 3 b^2 - 2 b^3, turned round.
+            own = 0.5 - np.sin(np.arcsin(1 - 2 * height) / 3)
+            others = np.stack([own, (1 - own) * along, (1 - own) * (1 - along)])
+            corner = self.corner[entry].astype(np.int64)
+            u, v = (others[(k - corner) % 3, np.arange(len(places))] for k in (1, 2))
+            found.append(starts(self.rays, self._parts(entry, instance), self.triangle[entry], u, v, self.side))
+        return found
+
+    def _parts(self, entry: I64, instance: F64) -> I64:
+        primitive = self.primitive[entry]
+        parts = np.empty(len(entry), np.int64)
+        for number in np.unique(primitive):
+            of = np.flatnonzero(primitive == number)
+            every = np.array(self.primitives[number].parts)
+            parts[of] = every[np.minimum((instance[of] * len(every)).astype(np.int64), len(every) - 1)]
+        return parts
+
+
+def fans(rays: RayScene, primitives: Sequence[Primitive], points_each: int, seed: int) -> tuple[Fans, list[I64]]:
+    """Return the places, and for each primitive (n,) which place a vertex belongs to, -1 where it has no fan.
+
+    Vertices of one mesh at the same position with the same normal are one place: they are apart only for a texture's sake.
+    """
+    shown = [p for p in primitives if p.parts]
+    owners, count = [], 0
+    for _, group in groupby(shown, lambda p: p.mesh):
+        for numbers in _welded(list(group)):
+            owners.append(numbers + count)
+        count = max((int(own.max(initial=-1)) + 1 for own in owners), default=0)
+    corners = np.concatenate([own[p.faces].ravel() for p, own in zip(shown, owners, strict=True)] or [np.zeros(0, np.int64)])
+    area = np.concatenate([np.repeat(areas(rays, p), 3) for p in shown] or [np.zeros(0)])
+    order = np.argsort(corners, kind="stable")
+    total = np.bincount(corners, area, count)
+    corners, area = corners[order], area[order]
+    before = np.concatenate([[0.0], np.cumsum(np.bincount(corners, minlength=count))])[:-1].astype(np.int64)
+    sums = np.cumsum(area / np.maximum(total[corners], np.finfo(np.float64).tiny))
+    reach = corners + np.clip(sums - np.concatenate([[0.0], sums])[before[corners]], 0, 1)
+    kept = np.flatnonzero(total > 0)
+    made = Fans(
+        rays, shown,
+        np.concatenate([np.full(3 * len(p.faces), k, np.int32) for k, p in enumerate(shown)] or [np.zeros(0, np.int32)])[order],
+        np.concatenate([np.repeat(np.arange(len(p.faces)), 3) for p in shown] or [np.zeros(0, np.int64)])[order],
+        (order % 3).astype(np.int8), reach, kept, points_each, seed,
+    )  # fmt: skip
+    number = np.full(count + 1, -1)
+    number[kept] = np.arange(len(kept))
+    by_id = {id(p): number[own] for p, own in zip(shown, owners, strict=True)}
+    return made, [by_id.get(id(p), np.full(p.vertices, -1)) for p in primitives]
+
+
+def _welded(group: Sequence[Primitive]) -> Iterator[I64]:
+    """(n,) for each primitive of a mesh: vertices with the same bytes of position and normal have the same number."""
+    rows = []
+    for primitive in group:
+        data = primitive.data
+        normals = np.zeros((primitive.vertices, 3)) if data.normals is None else data.normals
+        rows.append(np.column_stack([data.vertices, normals]).astype(np.float32) + np.float32(0))  # -0 becomes 0
+    every = np.ascontiguousarray(np.concatenate(rows))
+    _, numbers = np.unique(every.view(f"V{every.itemsize * 6}").ravel(), return_inverse=True)
+    start = 0
+    for primitive in group:
+        yield numbers[start : start + primitive.vertices].astype(np.int64)
+        start += primitive.vertices
+
+
+def areas(rays: RayScene, primitive: Primitive) -> F64:
+    """(m,) of a primitive's triangles where its first instance stands, local units; 0 for what is no number."""
+    found = np.zeros(len(primitive.faces))
+    for start in range(0, len(found), CHUNK):
+        part = np.arange(start, min(start + CHUNK, len(found)), dtype=np.int32)
+        corners, _ = rays.corners(primitive.parts[0], part)
+        found[part] = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    return np.nan_to_num(found)
+
+
+def _lattice(count: int, seed: int) -> F64:
+    """(count, 4) well spread points in [0, 1): two scrambled Sobol sets side by side."""
+    every = 1 << (count - 1).bit_length()
+    first, second = (sobol_points(every, seed, 1 << 20 | k) for k in (0, 1))
+    return np.column_stack([first, second])[:count]

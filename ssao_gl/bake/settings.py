@@ -1,0 +1,44 @@
+"""What decides a baking but the scene."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..sampling.falloff import Falloff
+from ..settings import setting, validate
+
+SIDES = ("front", "both")
+LONGEST = 1024
+"""Rays of a place that are stratified together."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Baking:
+    """Settings of :func:`ssao_gl.bake` that have to do with rays."""
+
+    name: ClassVar[str] = "bake"
+    max_stderr: ClassVar[None] = None
+
+    radius: float | None = setting(None, "reach of occlusion; none: 3 % of the scene's size", unit="scene units", above=0)
+    falloff: str = setting(Falloff.HARD.value, "how a blocker counts with distance", choices=tuple(f.value for f in Falloff))
+    spp: int = setting(64, "rays a vertex or texel, rounded up to a power of two", low=1, high=1 << 20)
+    points: int = setting(16, "points of a vertex's fan that share its rays", low=1, high=1 << 12)
+    sides: str = setting(
+        "front", "side of the surface that counts; both: the more open one at each vertex or texel", choices=SIDES
+    )
+    seed: int = setting(0, "of points and directions", low=0, high=2**31 - 1)
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    def with_radius(self, radius: float) -> Baking:
+        """Return these settings with an automatic radius settled to ``radius`` scene units."""
+        return self if self.radius is not None else dataclasses.replace(self, radius=radius)
+
+    @property
+    def batches(self) -> tuple[int, int]:
+        """(rays a place in a batch, batches): one batch as long as it may be, for its rays are stratified together."""
+        length = min(1 << (self.spp - 1).bit_length(), LONGEST)
+        return length, -(-self.spp // length)

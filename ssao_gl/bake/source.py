@@ -1,0 +1,78 @@
+"""What is baked, opened: a glTF file as it is, or anything else that is a scene, made one."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import encodable
+from ..loaders.as_scene import as_scene
+from ..loaders.finished import finished
+from ..loaders.gltf import OPEN
+from ..loaders.gltf_document import Document
+from ..loaders.gltf_writing import GltfWriter
+from ..loaders.load import load_scene, reading
+from ..loaders.mesh_files import kind_of
+from ..loaders.notes import Notes
+from ..loaders.read_options import ReadOptions
+from ..loaders.resolver import FolderResolver, in_folder
+from ..loaders.scene_as_gltf import writer_of
+from ..scene.model import Scene
+from ..truth.rays import RayScene
+from .instances import separate_instances
+from .primitives import Primitive, find_parts, read_primitives
+
+
+@dataclass(frozen=True, eq=False)
+class BakeSource:
+    """A file that is to be changed, what of it is baked, and what blocks."""
+
+    name: str
+    writer: GltfWriter
+    document: Document
+    primitives: list[Primitive]
+    rays: RayScene
+
+    @property
+    def scene(self) -> Scene:
+        """All that is drawn."""
+        return self.rays.scene
+
+
+def open_source(source: Any, options: ReadOptions, *, per_instance: bool = False) -> BakeSource:
+    """Read a path, or whatever :func:`ssao_gl.as_scene` takes. Raises SceneError, SettingsError.
+
+    per_instance: every node gets a mesh of its own; else one baking serves all nodes that show a mesh.
+    """
+    notes = Notes()
+    path = Path(source) if isinstance(source, str | Path) else None
+    if path is not None and kind_of(path.name) in OPEN:
+        with reading(path):
+            writer = _opened(path, notes)
+    else:
+        scene = as_scene(source) if path is None else load_scene(
+            path, crease=options.crease, animation=options.animation, time=options.time, point_size=options.point_size
+        )  # fmt: skip
+        writer, path = writer_of(scene), path or Path(scene.name or "scene")
+        options = ReadOptions(crease=options.crease)
+    where = path
+    if per_instance:
+        separate_instances(writer.tree, notes)
+    document = writer.document(FolderResolver(in_folder(where.parent)))
+    document.notes = notes
+    with reading(where) if where.exists() else nullcontext():
+        primitives, meshes = read_primitives(document, options)
+        made = finished(meshes, (), (0.0, 1.0, 0.0), encodable(where.name), notes)
+    notes.say(where)
+    rays = RayScene(made)
+    find_parts(primitives, rays)
+    return BakeSource(encodable(where.name), writer, document, primitives, rays)
+
+
+def _opened(path: Path, notes: Notes) -> GltfWriter:
+    with path.open("rb") as file:
+        document = OPEN[kind_of(path.name)](file, path.stat().st_size, FolderResolver(in_folder(path.parent)))
+    document.notes = notes
+    return GltfWriter(document)
