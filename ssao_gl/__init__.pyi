@@ -1,5 +1,6 @@
 from . import gl
 from .api import apply, normals_from_depth, occlusion, render
+from .bake import Baked, Baking, bake
 from .errors import ContextError, FormatError, GraphError, InputWarning, SceneError, SettingsError, ShaderError, SsaoError
 from .io.srgb import multiply
 from .loaders.as_scene import as_scene
@@ -25,6 +26,8 @@ __version__: str
 
 __all__ = [
     "Alchemy",
+    "Baked",
+    "Baking",
     "Bitmask",
     "Camera",
     "Choice",
@@ -54,6 +57,7 @@ __all__ = [
     "Target",
     "apply",
     "as_scene",
+    "bake",
     "compare",
     "gl",
     "load_scene",

@@ -8,8 +8,9 @@ system). So a vertex in a corner shows what is around it, and not the one point 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from ..sampling.hemisphere import sobol_points
 from ..truth.batches import Points
 from ..truth.rays import RayScene
-from .primitives import Primitive
+from .primitives import Primitive, chosen_parts
 from .starts import starts
 
 F64 = NDArray[np.float64]
@@ -49,6 +50,22 @@ class Fans:
     def __len__(self) -> int:
         return len(self.places)
 
+    @property
+    def double_sided(self) -> NDArray[np.bool_]:
+        """(n,) of places of materials that are seen from both sides."""
+        material = np.array([primitive.double_sided for primitive in self.primitives], bool)
+        first = np.searchsorted(self.reach, self.places, "right")
+        return material[self.primitive[np.minimum(first, len(self.reach) - 1)]]
+
+    def backs(self, which: NDArray[np.bool_]) -> Fans:
+        """Return some of the places (n,), seen from behind."""
+        return replace(self, places=self.places[which], side=-self.side)
+
+    def content(self) -> Iterator[NDArray[Any]]:
+        """Yield all that decides the points, for a hash."""
+        yield from (self.primitive, self.triangle, self.corner, self.reach, self.places, np.array(self.side))
+        yield from (np.array(primitive.parts) for primitive in self.primitives)
+
     def points(self, at: slice) -> Points:
         """Points over the fans, as dense as the vertices' weights are; one of the instances each."""
         places = self.places[at]
@@ -62,17 +79,17 @@ class Fans:
             others = np.stack([own, (1 - own) * along, (1 - own) * (1 - along)])
             corner = self.corner[entry].astype(np.int64)
             u, v = (others[(k - corner) % 3, np.arange(len(places))] for k in (1, 2))
-            found.append(starts(self.rays, self._parts(entry, instance), self.triangle[entry], u, v, self.side))
+            found.append(
+                starts(
+                    self.rays,
+                    chosen_parts(self.primitives, self.primitive[entry].astype(np.int64), instance),
+                    self.triangle[entry],
+                    u,
+                    v,
+                    self.side,
+                )
+            )
         return found
-
-    def _parts(self, entry: I64, instance: F64) -> I64:
-        primitive = self.primitive[entry]
-        parts = np.empty(len(entry), np.int64)
-        for number in np.unique(primitive):
-            of = np.flatnonzero(primitive == number)
-            every = np.array(self.primitives[number].parts)
-            parts[of] = every[np.minimum((instance[of] * len(every)).astype(np.int64), len(every) - 1)]
-        return parts
 
 
 def fans(rays: RayScene, primitives: Sequence[Primitive], points_each: int, seed: int) -> tuple[Fans, list[I64]]:

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..loaders.gltf import Shape, broken_structure, check_any, read_shapes
-from ..loaders.gltf_document import Document
+from ..loaders.gltf_document import Document, Tree
+from ..loaders.mesh_building import MeshData
 from ..loaders.read_options import ReadOptions
 from ..scene.model import Mesh
 from ..truth.rays import RayScene
 
+F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
 
@@ -30,13 +32,23 @@ class Primitive:
     mesh: int
     number: int
     name: str
-    data: Any
+    data: MeshData
     meshes: list[Mesh] = field(default_factory=list)
     parts: list[int] = field(default_factory=list)
 
     @property
     def faces(self) -> I64:
         return np.asarray(self.data.faces, np.int64)
+
+    @property
+    def double_sided(self) -> bool:
+        """Whether its material is seen from behind, too."""
+        return self.data.material is not None and self.data.material.double_sided
+
+    def entry(self, tree: Tree) -> Tree:
+        """Return what the tree says of it."""
+        found: Tree = tree["meshes"][self.mesh]["primitives"][self.number]
+        return found
 
     @property
     def vertices(self) -> int:
@@ -81,3 +93,13 @@ def find_parts(primitives: list[Primitive], rays: RayScene) -> None:
         start += len(mesh.transforms)
     for primitive in primitives:
         primitive.parts = [part for mesh in primitive.meshes for part in numbers.get(id(mesh), ())]
+
+
+def chosen_parts(primitives: Sequence[Primitive], which: I64, choice: F64) -> I64:
+    """Return a part (n,) of each primitive ``which`` (n,), evenly by ``choice`` (n,) in [0, 1)."""
+    parts = np.empty(len(which), np.int64)
+    for number in np.unique(which):
+        of = np.flatnonzero(which == number)
+        every = np.array(primitives[number].parts)
+        parts[of] = every[np.minimum((choice[of] * len(every)).astype(np.int64), len(every) - 1)]
+    return parts

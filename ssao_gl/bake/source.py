@@ -30,6 +30,7 @@ class BakeSource:
     """A file that is to be changed, what of it is baked, and what blocks."""
 
     name: str
+    path: Path
     writer: GltfWriter
     document: Document
     primitives: list[Primitive]
@@ -68,7 +69,7 @@ def open_source(source: Any, options: ReadOptions, *, per_instance: bool = False
     notes.say(where)
     rays = RayScene(made)
     find_parts(primitives, rays)
-    return BakeSource(encodable(where.name), writer, document, primitives, rays)
+    return BakeSource(encodable(where.name), where, writer, document, primitives, rays)
 
 
 def _opened(path: Path, notes: Notes) -> GltfWriter:

@@ -25,7 +25,7 @@ def write_attribute(
     COLOR_0 takes the vertex colours that are there times visibility, as linear light, alpha as it is: a viewer that knows
     nothing of occlusion shows it. Any other attribute is one 32-bit float a vertex.
     """
-    entry: Tree = writer.tree["meshes"][primitive.mesh]["primitives"][primitive.number]
+    entry = primitive.entry(writer.tree)
     if attribute != COLOR:
         entry["attributes"][attribute] = writer.accessor(visibility[:, None].astype("<f4"))
     else:
