@@ -64,7 +64,7 @@ def texture_groups(
             raise SceneError(
                 f"mesh '{rest[0].name}' has no texture coordinates in 0..1 that do not overlap; leave out --unwrap never, or bake to vertices"
             )
-        groups.append(_atlas_group(writer, rays, rest, to, seed))
+        groups.append(_atlas_group(writer, document, rays, rest, to, seed))
     return groups
 
 
@@ -103,13 +103,15 @@ def coordinate_sets(entry: Tree) -> int:
     return number
 
 
-def _atlas_group(writer: GltfWriter, rays: RayScene, rest: list[Primitive], to: Texture, seed: int) -> TextureGroup:
+def _atlas_group(
+    writer: GltfWriter, document: Document, rays: RayScene, rest: list[Primitive], to: Texture, seed: int
+) -> TextureGroup:
     for primitive in rest:
         if DRACO in primitive.entry(writer.tree).get("extensions", {}):
             raise SceneError(
                 f"mesh '{primitive.name}' is compressed with Draco, and cannot take new vertices; export it without, or bake to vertices"
             )
-    made = unwrap(rays, rest, to.size, to.padding)
+    made = unwrap(rays, rest, to.size, to.padding, document.notes)
     places, _ = texels(rays, Layout.of(rest, [one.uv for one in made], [one.faces for one in made]), to.size, seed)
     most: dict[int | None, int] = {}  # of a material: its texture has one set of coordinates, whatever wears it
     for primitive in rest:
