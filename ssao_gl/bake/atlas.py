@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError, SettingsError, one_line
 from ..loaders.notes import Notes
-from ..truth.rays import RayScene
-from .fans import areas
+from .facets import Facets
 from .primitives import Primitive
 
 F32 = NDArray[np.float32]
@@ -34,7 +33,7 @@ class Unwrapped:
     uv: F32
 
 
-def unwrap(rays: RayScene, primitives: Sequence[Primitive], size: int, padding: int, notes: Notes) -> list[Unwrapped]:
+def unwrap(facets: Facets, primitives: Sequence[Primitive], size: int, padding: int, notes: Notes) -> list[Unwrapped]:
     """Put all primitives into one square texture, as large as they are where their first instances stand.
 
     padding: texels between charts; less where many charts leave no room, which is noted. Raises SettingsError without xatlas,
@@ -43,9 +42,11 @@ def unwrap(rays: RayScene, primitives: Sequence[Primitive], size: int, padding: 
     library = _xatlas()
     charts = library.Atlas()
     for primitive in primitives:
-        _add(charts, rays, primitive)
+        _add(charts, facets, primitive)
     options = library.ChartOptions()
-    options.max_chart_area = sum(float(areas(rays, primitive).sum()) for primitive in primitives) * LARGEST
+    options.max_chart_area = (
+        sum(float(facets.areas(primitive.parts[0], len(primitive.faces)).sum()) for primitive in primitives) * LARGEST
+    )
     charts.generate(options, _packing(library, size, padding))
     found = [charts[number] for number in range(len(primitives))]
     sides = np.array([charts.width, charts.height])
@@ -89,10 +90,10 @@ def _packing(library: Any, size: int, padding: int) -> Any:
     return options
 
 
-def _add(atlas: Any, rays: RayScene, primitive: Primitive) -> None:
+def _add(atlas: Any, facets: Facets, primitive: Primitive) -> None:
     faces = primitive.faces
     positions = np.zeros((primitive.vertices, 3), np.float32)
-    corners, _ = rays.corners(primitive.parts[0], np.arange(len(faces), dtype=np.int32))
+    corners, _ = facets.rays.corners(primitive.parts[0], np.arange(len(faces), dtype=np.int32))
     positions[faces.ravel()] = corners.reshape(-1, 3)
     try:
         atlas.add_mesh(positions, faces.astype(np.uint32))

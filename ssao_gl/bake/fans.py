@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from ..sampling.hemisphere import sobol_points
 from ..truth.batches import Points
 from ..truth.rays import RayScene
+from .facets import Facets
 from .primitives import Primitive, chosen_parts
-from .starts import starts
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
-CHUNK = 1 << 16
-"""Triangles a step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +34,7 @@ class Fans:
     places with an area, as numbers that ``reach`` counts. side: 1 front, -1 back.
     """
 
-    rays: RayScene
+    facets: Facets
     primitives: Sequence[Primitive]
     primitive: NDArray[np.int32]
     triangle: I64
@@ -46,6 +44,11 @@ class Fans:
     points_each: int
     seed: int
     side: float = 1.0
+
+    @property
+    def rays(self) -> RayScene:
+        """What may block."""
+        return self.facets.rays
 
     def __len__(self) -> int:
         return len(self.places)
@@ -72,27 +75,22 @@ class Fans:
         shift = np.random.default_rng([self.seed, at.start, 1]).random((4, len(places)))
         found = []
         for one in _lattice(self.points_each, self.seed):
-            choice, instance, height, along = (one[:, None] + shift) % 1
+            moved = one[:, None] + shift
+            moved -= moved >= 1
+            choice, instance, height, along = moved
             entry = np.minimum(np.searchsorted(self.reach, places + choice, "right"), len(self.reach) - 1)
             # Density of the vertex's own coordinate b: 6 b (1 - b), so its distribution 3 b^2 - 2 b^3, turned round.
             own = 0.5 - np.sin(np.arcsin(1 - 2 * height) / 3)
-            others = np.stack([own, (1 - own) * along, (1 - own) * (1 - along)])
-            corner = self.corner[entry].astype(np.int64)
-            u, v = (others[(k - corner) % 3, np.arange(len(places))] for k in (1, 2))
-            found.append(
-                starts(
-                    self.rays,
-                    chosen_parts(self.primitives, self.primitive[entry].astype(np.int64), instance),
-                    self.triangle[entry],
-                    u,
-                    v,
-                    self.side,
-                )
-            )
+            left = (1 - own) * along
+            right = 1 - own - left
+            corner = self.corner[entry]
+            u, v = np.choose(corner, (left, own, right)), np.choose(corner, (right, left, own))
+            parts = chosen_parts(self.primitives, self.primitive[entry], instance)
+            found.append(self.facets.starts(parts, self.triangle[entry], u, v, self.side))
         return found
 
 
-def fans(rays: RayScene, primitives: Sequence[Primitive], points_each: int, seed: int) -> tuple[Fans, list[I64]]:
+def fans(facets: Facets, primitives: Sequence[Primitive], points_each: int, seed: int) -> tuple[Fans, list[I64]]:
     """Return the places, and for each primitive (n,) which place a vertex belongs to, -1 where it has no fan.
 
     Vertices of one mesh at the same position with the same normal are one place: they are apart only for a texture's sake.
@@ -104,7 +102,7 @@ def fans(rays: RayScene, primitives: Sequence[Primitive], points_each: int, seed
             owners.append(numbers + count)
         count = max((int(own.max(initial=-1)) + 1 for own in owners), default=0)
     corners = np.concatenate([own[p.faces].ravel() for p, own in zip(shown, owners, strict=True)] or [np.zeros(0, np.int64)])
-    area = np.concatenate([np.repeat(areas(rays, p), 3) for p in shown] or [np.zeros(0)])
+    area = np.concatenate([np.repeat(facets.areas(p.parts[0], len(p.faces)), 3) for p in shown] or [np.zeros(0)])
     order = np.argsort(corners, kind="stable")
     total = np.bincount(corners, area, count)
     corners, area = corners[order], area[order]
@@ -113,7 +111,7 @@ def fans(rays: RayScene, primitives: Sequence[Primitive], points_each: int, seed
     reach = corners + np.clip(sums - np.concatenate([[0.0], sums])[before[corners]], 0, 1)
     kept = np.flatnonzero(total > 0)
     made = Fans(
-        rays, shown,
+        facets, shown,
         np.concatenate([np.full(3 * len(p.faces), k, np.int32) for k, p in enumerate(shown)] or [np.zeros(0, np.int32)])[order],
         np.concatenate([np.repeat(np.arange(len(p.faces)), 3) for p in shown] or [np.zeros(0, np.int64)])[order],
         (order % 3).astype(np.int8), reach, kept, points_each, seed,
@@ -137,16 +135,6 @@ def _welded(group: Sequence[Primitive]) -> Iterator[I64]:
     for primitive in group:
         yield numbers[start : start + primitive.vertices].astype(np.int64)
         start += primitive.vertices
-
-
-def areas(rays: RayScene, primitive: Primitive) -> F64:
-    """(m,) of a primitive's triangles where its first instance stands, local units; 0 for what is no number."""
-    found = np.zeros(len(primitive.faces))
-    for start in range(0, len(found), CHUNK):
-        part = np.arange(start, min(start + CHUNK, len(found)), dtype=np.int32)
-        corners, _ = rays.corners(primitive.parts[0], part)
-        found[part] = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
-    return np.nan_to_num(found)
 
 
 def _lattice(count: int, seed: int) -> F64:

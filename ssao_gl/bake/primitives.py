@@ -95,10 +95,10 @@ def find_parts(primitives: list[Primitive], rays: RayScene) -> None:
         primitive.parts = [part for mesh in primitive.meshes for part in numbers.get(id(mesh), ())]
 
 
-def chosen_parts(primitives: Sequence[Primitive], which: I64, choice: F64) -> I64:
+def chosen_parts(primitives: Sequence[Primitive], which: NDArray[np.integer], choice: F64) -> I64:
     """Return a part (n,) of each primitive ``which`` (n,), evenly by ``choice`` (n,) in [0, 1)."""
     parts = np.empty(len(which), np.int64)
-    for number in np.unique(which):
+    for number in np.unique(which) if len(which) and which.min() < which.max() else which[:1]:
         of = np.flatnonzero(which == number)
         every = np.array(primitives[number].parts)
         parts[of] = every[np.minimum((choice[of] * len(every)).astype(np.int64), len(every) - 1)]

@@ -128,7 +128,7 @@ class _Job:
 
     def vertices(self, goal: Vertices) -> tuple[list[BakedMesh], list[TracedPlaces]]:
         source, settings = self.source, self.settings
-        places, owners = fans(source.rays, source.primitives, settings.points, settings.seed)
+        places, owners = fans(source.facets, source.primitives, settings.points, settings.seed)
         traced = trace_places(source.scene, places, settings, self.cache, self.progress)
         meshes = []
         for primitive, own in zip(source.primitives, owners, strict=True):
@@ -141,7 +141,7 @@ class _Job:
     def textures(self, goal: Texture) -> tuple[list[BakedMesh], list[TracedPlaces]]:
         source = self.source
         meshes, done = [], []
-        groups = texture_groups(source.writer, source.document, source.rays, source.primitives, goal, self.settings.seed)
+        groups = texture_groups(source.writer, source.document, source.facets, source.primitives, goal, self.settings.seed)
         for group in groups:
             traced = trace_places(source.scene, group.places, self.settings, self.cache, self.progress)
             meshes.append(BakedMesh(group.name, write_texture(source.writer, source.document, group, traced.visibility)))

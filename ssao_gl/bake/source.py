@@ -21,6 +21,7 @@ from ..loaders.resolver import FolderResolver, in_folder
 from ..loaders.scene_as_gltf import writer_of
 from ..scene.model import Scene
 from ..truth.rays import RayScene
+from .facets import Facets
 from .instances import separate_instances
 from .primitives import Primitive, find_parts, read_primitives
 
@@ -34,12 +35,12 @@ class BakeSource:
     writer: GltfWriter
     document: Document
     primitives: list[Primitive]
-    rays: RayScene
+    facets: Facets
 
     @property
     def scene(self) -> Scene:
         """All that is drawn."""
-        return self.rays.scene
+        return self.facets.rays.scene
 
 
 def open_source(source: Any, options: ReadOptions, *, per_instance: bool = False) -> BakeSource:
@@ -69,7 +70,7 @@ def open_source(source: Any, options: ReadOptions, *, per_instance: bool = False
     notes.say(where)
     rays = RayScene(made)
     find_parts(primitives, rays)
-    return BakeSource(encodable(where.name), where, writer, document, primitives, rays)
+    return BakeSource(encodable(where.name), where, writer, document, primitives, Facets(rays))
 
 
 def _opened(path: Path, notes: Notes) -> GltfWriter:

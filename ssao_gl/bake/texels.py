@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..truth.batches import Points
 from ..truth.rays import RayScene
+from .facets import Facets
 from .primitives import Primitive, chosen_parts
-from .starts import starts
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -57,12 +57,17 @@ class Texels:
     the texels, row by row from the top. side: 1 front, -1 back.
     """
 
-    rays: RayScene
+    facets: Facets
     layout: Layout
     owner: NDArray[np.int32]
     places: I64
     seed: int
     side: float = 1.0
+
+    @property
+    def rays(self) -> RayScene:
+        """What may block."""
+        return self.facets.rays
 
     def __len__(self) -> int:
         return len(self.places)
@@ -98,7 +103,7 @@ class Texels:
             b = _barycentric(self.layout.uv[triangle].astype(np.float64) * len(self.owner), x + 0.5, y + 0.5)
             b = np.clip(np.nan_to_num(b, nan=1 / 3), 0, None)
             b /= b.sum(0)
-            found.append(starts(self.rays, parts, triangle - self.layout.first[primitive], b[1], b[2], self.side))
+            found.append(self.facets.starts(parts, triangle - self.layout.first[primitive], b[1], b[2], self.side))
         return found
 
     def _primitive(self, triangle: I64) -> I64:
@@ -116,21 +121,21 @@ class Texels:
         return list(zip(owner[n, taken].T, x[n, taken].T, y[n, taken].T, strict=True))
 
 
-def texels(rays: RayScene, layout: Layout, size: int, seed: int) -> tuple[Texels, float]:
+def texels(facets: Facets, layout: Layout, size: int, seed: int) -> tuple[Texels, float]:
     """Return the places of a texture of ``size`` texels a side, and which share of its points two triangles claim."""
     side = FINE * size
     owner = np.full(side * side, -1, np.int32)
     inside = np.zeros(side * side, bool)
-    twice = 0
+    claims = 0
     for triangle, point, deep in _covered(layout.uv.astype(np.float64) * side, side):
         owner[point[::-1]] = triangle[::-1]  # the first one stays
-        sure = point[deep]
-        twice += int(inside[sure].sum()) + len(sure) - len(np.unique(sure))
-        inside[sure] = True
+        claims += int(deep.sum())
+        inside[point[deep]] = True
     _add_slivers(layout, owner, side)
     covered = (owner.reshape(size, FINE, size, FINE) >= 0).any((1, 3))
-    share = twice / max(int(inside.sum()), 1)
-    return Texels(rays, layout, owner.reshape(side, side), np.flatnonzero(covered), seed), share
+    claimed = int(inside.sum())
+    share = (claims - claimed) / max(claimed, 1)
+    return Texels(facets, layout, owner.reshape(side, side), np.flatnonzero(covered), seed), share
 
 
 def _covered(uv: F64, side: int) -> Iterator[tuple[NDArray[np.int32], I64, NDArray[np.bool_]]]:

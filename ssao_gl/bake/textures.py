@@ -15,8 +15,8 @@ from ..loaders.gltf_accessors import raw, values
 from ..loaders.gltf_document import Document, Tree
 from ..loaders.gltf_draco import DRACO
 from ..loaders.gltf_writing import INDICES, GltfWriter
-from ..truth.rays import RayScene
 from .atlas import Unwrapped, unwrap
+from .facets import Facets
 from .primitives import Primitive
 from .settings import Texture
 from .texels import Layout, Texels, texels
@@ -45,7 +45,7 @@ class TextureGroup:
 
 
 def texture_groups(
-    writer: GltfWriter, document: Document, rays: RayScene, primitives: Sequence[Primitive], to: Texture, seed: int
+    writer: GltfWriter, document: Document, facets: Facets, primitives: Sequence[Primitive], to: Texture, seed: int
 ) -> list[TextureGroup]:
     """Return the textures that are needed: one for each material whose coordinates do not overlap, one for all the rest.
 
@@ -54,7 +54,7 @@ def texture_groups(
     shown = [primitive for primitive in primitives if primitive.parts]
     groups, rest = [], []
     for material, members in _by_material(writer.tree, shown):
-        found = _own_coordinates(writer.tree, document, rays, members, to, seed) if material is not None else None
+        found = _own_coordinates(writer.tree, document, facets, members, to, seed) if material is not None else None
         if found is None:
             rest += members
         else:
@@ -64,7 +64,7 @@ def texture_groups(
             raise SceneError(
                 f"mesh '{rest[0].name}' has no texture coordinates in 0..1 that do not overlap; leave out --unwrap never, or bake to vertices"
             )
-        groups.append(_atlas_group(writer, document, rays, rest, to, seed))
+        groups.append(_atlas_group(writer, document, facets, rest, to, seed))
     return groups
 
 
@@ -78,7 +78,7 @@ def _by_material(tree: Tree, primitives: Sequence[Primitive]) -> Iterator[tuple[
 
 
 def _own_coordinates(
-    tree: Tree, document: Document, rays: RayScene, members: list[Primitive], to: Texture, seed: int
+    tree: Tree, document: Document, facets: Facets, members: list[Primitive], to: Texture, seed: int
 ) -> TextureGroup | None:
     """Return a group that uses the last set of coordinates that all have, in 0..1 and without overlap; None if there is none."""
     if to.unwrap == "always":
@@ -87,7 +87,7 @@ def _own_coordinates(
         found = [values(document, primitive.entry(tree)["attributes"][f"{SET}{number}"]) for primitive in members]
         layout = Layout.of(members, found, [primitive.faces for primitive in members])
         if layout.fits:
-            places, overlap = texels(rays, layout, to.size, seed)
+            places, overlap = texels(facets, layout, to.size, seed)
             if overlap <= OVERLAP:
                 return TextureGroup(members[0].name, places, [number] * len(members), [None] * len(members))
     return None
@@ -104,15 +104,15 @@ def coordinate_sets(entry: Tree) -> int:
 
 
 def _atlas_group(
-    writer: GltfWriter, document: Document, rays: RayScene, rest: list[Primitive], to: Texture, seed: int
+    writer: GltfWriter, document: Document, facets: Facets, rest: list[Primitive], to: Texture, seed: int
 ) -> TextureGroup:
     for primitive in rest:
         if DRACO in primitive.entry(writer.tree).get("extensions", {}):
             raise SceneError(
                 f"mesh '{primitive.name}' is compressed with Draco, and cannot take new vertices; export it without, or bake to vertices"
             )
-    made = unwrap(rays, rest, to.size, to.padding, document.notes)
-    places, _ = texels(rays, Layout.of(rest, [one.uv for one in made], [one.faces for one in made]), to.size, seed)
+    made = unwrap(facets, rest, to.size, to.padding, document.notes)
+    places, _ = texels(facets, Layout.of(rest, [one.uv for one in made], [one.faces for one in made]), to.size, seed)
     most: dict[int | None, int] = {}  # of a material: its texture has one set of coordinates, whatever wears it
     for primitive in rest:
         entry = primitive.entry(writer.tree)

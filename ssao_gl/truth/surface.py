@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,12 +110,12 @@ def _hit(rays: RayScene, camera: Camera, view: ViewConstants, part: slice, depth
         (start + near[:, None] * direction).astype(np.float32), direction.astype(np.float32), (far - near).astype(np.float32)
     )
     hit = np.flatnonzero(found["geomID"] >= 0)
-    points, normals, shading = interpolated(rays, {name: found[name][hit] for name in ("u", "v", "primID", "geomID")})
+    points, normals, shading = _interpolated(rays, {name: found[name][hit] for name in ("u", "v", "primID", "geomID")})
     start, direction = start[hit], direction[hit]
-    normals = unit(normals, -direction)
-    normals *= side(normals, -direction)
-    shading = unit(shading, normals)
-    shading *= side(shading, normals)
+    normals = _unit(normals, -direction)
+    normals *= _side(normals, -direction)
+    shading = _unit(shading, normals)
+    shading *= _side(shading, normals)
     # Along the view axis, to the point itself.
     axis = -camera.pose[:3, 2]
     eye = (camera.pose[:3, 3] - rays.center) * rays.scale
@@ -126,8 +124,8 @@ def _hit(rays: RayScene, camera: Camera, view: ViewConstants, part: slice, depth
     return origins.astype(np.float32), normals.astype(np.float32), shading.astype(np.float32)
 
 
-def interpolated(rays: RayScene, found: Mapping[str, NDArray[Any]]) -> tuple[F64, F64, F64]:
-    """Return points (n, 3), triangle normals and vertex normals, not normalised, of hits."""
+def _interpolated(rays: RayScene, found: dict[str, NDArray[np.float32]]) -> tuple[F64, F64, F64]:
+    """Points (n, 3), triangle normals and vertex normals, not normalised, of hits."""
     part = found["geomID"]
     points, normals, shading = (np.empty((len(part), 3)) for _ in range(3))
     order = np.argsort(part, kind="stable")
@@ -142,8 +140,8 @@ def interpolated(rays: RayScene, found: Mapping[str, NDArray[Any]]) -> tuple[F64
     return points, normals, shading
 
 
-def unit(vectors: F64, instead: F64) -> F64:
-    """Return unit vectors (n, 3); those of no or infinite length are replaced by ``instead`` (n, 3) or (3,)."""
+def _unit(vectors: F64, instead: F64) -> F64:
+    """Return unit vectors (n, 3); those of no or infinite length are replaced."""
     with np.errstate(invalid="ignore", over="ignore"):
         largest = np.abs(vectors).max(1, keepdims=True, initial=0)
         good = np.isfinite(largest) & (largest > 0)
@@ -151,6 +149,5 @@ def unit(vectors: F64, instead: F64) -> F64:
     return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
-def side(vectors: F64, towards: F64) -> F64:
-    """Return (n, 1): -1 where a vector (n, 3) points away from ``towards`` (n, 3), else 1."""
+def _side(vectors: F64, towards: F64) -> F64:
     return np.where((vectors * towards).sum(1, keepdims=True) < 0, -1.0, 1.0)
