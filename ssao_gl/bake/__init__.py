@@ -4,6 +4,6 @@ Start with :func:`~ssao_gl.bake.run.bake`. Needs the extra ``bake`` (embreex, sc
 """
 
 from .run import Baked, BakedMesh, bake
-from .settings import Baking
+from .settings import Baking, OcclusionTexture, Vertices
 
-__all__ = ["Baked", "BakedMesh", "Baking", "bake"]
+__all__ = ["Baked", "BakedMesh", "Baking", "OcclusionTexture", "Vertices", "bake"]

@@ -21,7 +21,7 @@ from ..scene.model import RADIUS_SHARE
 from ..truth.batches import TraceProgress
 from .fans import fans
 from .gathering import TracedPlaces, trace_places
-from .settings import Baking, Texture, Vertices
+from .settings import Baking, OcclusionTexture, Vertices
 from .source import BakeSource, open_source
 from .textures import texture_groups, write_texture
 from .vertices import write_attribute
@@ -48,7 +48,7 @@ class Baked:
     name: str
     meshes: Sequence[BakedMesh]
     settings: Baking
-    to: Vertices | Texture
+    to: Vertices | OcclusionTexture
     rays: int
     seconds: float
     cached: bool
@@ -80,7 +80,7 @@ def bake(
     scene: Any,
     settings: Baking | None = None,
     *,
-    to: Vertices | Texture | str = "vertices",
+    to: Vertices | OcclusionTexture | str = "vertices",
     radius_share: float | None = None,
     per_instance: bool = False,
     animation: str | None = None,
@@ -110,10 +110,10 @@ def bake(
     )  # fmt: skip
 
 
-def _goal(to: Vertices | Texture | str) -> Vertices | Texture:
+def _goal(to: Vertices | OcclusionTexture | str) -> Vertices | OcclusionTexture:
     if not isinstance(to, str):
         return to
-    known: dict[str, type[Vertices] | type[Texture]] = {kind.name: kind for kind in (Vertices, Texture)}
+    known: dict[str, type[Vertices] | type[OcclusionTexture]] = {kind.name: kind for kind in (Vertices, OcclusionTexture)}
     if to not in known:
         raise SettingsError(f"bake to '{to}': must be vertices or texture.{near_miss(to, known)}")
     return known[to]()
@@ -138,7 +138,7 @@ class _Job:
                 write_attribute(source.writer, source.document, primitive, visibility, goal.attribute)
         return meshes, [traced]
 
-    def textures(self, goal: Texture) -> tuple[list[BakedMesh], list[TracedPlaces]]:
+    def textures(self, goal: OcclusionTexture) -> tuple[list[BakedMesh], list[TracedPlaces]]:
         source = self.source
         meshes, done = [], []
         groups = texture_groups(source.writer, source.document, source.facets, source.primitives, goal, self.settings.seed)

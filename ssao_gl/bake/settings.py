@@ -67,7 +67,7 @@ class Vertices:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Texture:
+class OcclusionTexture:
     """Visibility goes to occlusion textures."""
 
     name: ClassVar[str] = "texture"

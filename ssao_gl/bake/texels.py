@@ -26,7 +26,7 @@ INSIDE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class TextureLayout:
     """Triangles of several primitives in one texture.
 
     uv: (m, 3, 2) of all of them, v downwards. first: number of the first triangle of each primitive, and of all after the
@@ -38,7 +38,7 @@ class Layout:
     first: I64
 
     @classmethod
-    def of(cls, primitives: Sequence[Primitive], coordinates: Sequence[F32], faces: Sequence[I64]) -> Layout:
+    def of(cls, primitives: Sequence[Primitive], coordinates: Sequence[F32], faces: Sequence[I64]) -> TextureLayout:
         """Join primitives: their texture coordinates (n, 2) and triangles (m, 3)."""
         uv = np.concatenate([uv[f] for uv, f in zip(coordinates, faces, strict=True)]).astype(np.float32)
         return cls(primitives, uv, np.concatenate([[0], np.cumsum([len(f) for f in faces])]))
@@ -50,7 +50,7 @@ class Layout:
 
 
 @dataclass(frozen=True, eq=False)
-class Texels:
+class TexelPlaces:
     """Places of the texels of a square texture that show something.
 
     owner: (FINE * size, FINE * size) int32, the triangle of ``layout`` at each point, -1 for none. places: (n,) numbers of
@@ -58,7 +58,7 @@ class Texels:
     """
 
     facets: Facets
-    layout: Layout
+    layout: TextureLayout
     owner: NDArray[np.int32]
     places: I64
     seed: int
@@ -83,7 +83,7 @@ class Texels:
         material = np.array([primitive.double_sided for primitive in self.layout.primitives], bool)
         return material[self._primitive(self._owners(self.places)[0][0])]
 
-    def backs(self, which: NDArray[np.bool_]) -> Texels:
+    def backs(self, which: NDArray[np.bool_]) -> TexelPlaces:
         """Return some of the places (n,), seen from behind."""
         return replace(self, places=self.places[which], side=-self.side)
 
@@ -121,7 +121,7 @@ class Texels:
         return list(zip(owner[n, taken].T, x[n, taken].T, y[n, taken].T, strict=True))
 
 
-def texels(facets: Facets, layout: Layout, size: int, seed: int) -> tuple[Texels, float]:
+def texels(facets: Facets, layout: TextureLayout, size: int, seed: int) -> tuple[TexelPlaces, float]:
     """Return the places of a texture of ``size`` texels a side, and which share of its points two triangles claim."""
     side = FINE * size
     owner = np.full(side * side, -1, np.int32)
@@ -135,7 +135,7 @@ def texels(facets: Facets, layout: Layout, size: int, seed: int) -> tuple[Texels
     covered = (owner.reshape(size, FINE, size, FINE) >= 0).any((1, 3))
     claimed = int(inside.sum())
     share = (claims - claimed) / max(claimed, 1)
-    return Texels(facets, layout, owner.reshape(side, side), np.flatnonzero(covered), seed), share
+    return TexelPlaces(facets, layout, owner.reshape(side, side), np.flatnonzero(covered), seed), share
 
 
 def _covered(uv: F64, side: int) -> Iterator[tuple[NDArray[np.int32], I64, NDArray[np.bool_]]]:
@@ -174,7 +174,7 @@ def _barycentric(uv: F64, x: NDArray[np.floating], y: NDArray[np.floating]) -> F
     return np.stack([1 - b - c, b, c])
 
 
-def _add_slivers(layout: Layout, owner: NDArray[np.int32], side: int) -> None:
+def _add_slivers(layout: TextureLayout, owner: NDArray[np.int32], side: int) -> None:
     """Let triangles that cover no point of the grid have the one next to their middle, where that is free."""
     shown = np.zeros(len(layout.uv), bool)
     shown[owner[owner >= 0]] = True

@@ -18,8 +18,8 @@ from ..loaders.gltf_writing import INDICES, GltfWriter
 from .atlas import Unwrapped, unwrap
 from .facets import Facets
 from .primitives import Primitive
-from .settings import Texture
-from .texels import Layout, Texels, texels
+from .settings import OcclusionTexture
+from .texels import TexelPlaces, TextureLayout, texels
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -34,7 +34,7 @@ class TextureGroup:
     """Primitives that share a texture: its places, the coordinate set of each primitive, and new vertices where it has any."""
 
     name: str
-    places: Texels
+    places: TexelPlaces
     sets: Sequence[int]
     unwrapped: Sequence[Unwrapped | None]
 
@@ -45,7 +45,7 @@ class TextureGroup:
 
 
 def texture_groups(
-    writer: GltfWriter, document: Document, facets: Facets, primitives: Sequence[Primitive], to: Texture, seed: int
+    writer: GltfWriter, document: Document, facets: Facets, primitives: Sequence[Primitive], to: OcclusionTexture, seed: int
 ) -> list[TextureGroup]:
     """Return the textures that are needed: one for each material whose coordinates do not overlap, one for all the rest.
 
@@ -78,14 +78,14 @@ def _by_material(tree: Tree, primitives: Sequence[Primitive]) -> Iterator[tuple[
 
 
 def _own_coordinates(
-    tree: Tree, document: Document, facets: Facets, members: list[Primitive], to: Texture, seed: int
+    tree: Tree, document: Document, facets: Facets, members: list[Primitive], to: OcclusionTexture, seed: int
 ) -> TextureGroup | None:
     """Return a group that uses the last set of coordinates that all have, in 0..1 and without overlap; None if there is none."""
     if to.unwrap == "always":
         return None
     for number in reversed(range(min(coordinate_sets(primitive.entry(tree)) for primitive in members))):
         found = [values(document, primitive.entry(tree)["attributes"][f"{SET}{number}"]) for primitive in members]
-        layout = Layout.of(members, found, [primitive.faces for primitive in members])
+        layout = TextureLayout.of(members, found, [primitive.faces for primitive in members])
         if layout.fits:
             places, overlap = texels(facets, layout, to.size, seed)
             if overlap <= OVERLAP:
@@ -104,7 +104,7 @@ def coordinate_sets(entry: Tree) -> int:
 
 
 def _atlas_group(
-    writer: GltfWriter, document: Document, facets: Facets, rest: list[Primitive], to: Texture, seed: int
+    writer: GltfWriter, document: Document, facets: Facets, rest: list[Primitive], to: OcclusionTexture, seed: int
 ) -> TextureGroup:
     for primitive in rest:
         if DRACO in primitive.entry(writer.tree).get("extensions", {}):
@@ -112,7 +112,7 @@ def _atlas_group(
                 f"mesh '{primitive.name}' is compressed with Draco, and cannot take new vertices; export it without, or bake to vertices"
             )
     made = unwrap(facets, rest, to.size, to.padding, document.notes)
-    places, _ = texels(facets, Layout.of(rest, [one.uv for one in made], [one.faces for one in made]), to.size, seed)
+    places, _ = texels(facets, TextureLayout.of(rest, [one.uv for one in made], [one.faces for one in made]), to.size, seed)
     most: dict[int | None, int] = {}  # of a material: its texture has one set of coordinates, whatever wears it
     for primitive in rest:
         entry = primitive.entry(writer.tree)
@@ -132,7 +132,7 @@ def materials_of(entry: Tree) -> list[int | None]:
 
 def write_texture(writer: GltfWriter, document: Document, group: TextureGroup, visibility: F64) -> F32:
     """Write a group's texture (size, size), set it as occlusion texture of its materials, and return it."""
-    picture = dilated(group.places, visibility)
+    picture = without_gaps(group.places, visibility)
     texture = writer.picture(_png(picture), f"occlusion of {group.name}")
     clones: dict[tuple[int | None, int], int] = {}
     for primitive, number, made in zip(group.primitives, group.sets, group.unwrapped, strict=True):
@@ -143,7 +143,7 @@ def write_texture(writer: GltfWriter, document: Document, group: TextureGroup, v
     return picture
 
 
-def dilated(places: Texels, visibility: F64) -> F32:
+def without_gaps(places: TexelPlaces, visibility: F64) -> F32:
     """Return visibility as a picture (size, size), row 0 on top; texels that show nothing are as the nearest one that does."""
     from scipy.ndimage import distance_transform_edt
 

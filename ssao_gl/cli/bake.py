@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from ..bake import Baked, Baking
 from ..bake import bake as baked
-from ..bake.settings import SIDES, UNWRAP, Texture, Vertices
+from ..bake.settings import SIDES, UNWRAP, OcclusionTexture, Vertices
 from ..errors import SceneError, SettingsError
 from ..sampling.falloff import Falloff
 from ..settings import as_table
@@ -57,6 +57,7 @@ class BakedRayOptions:
 class KeptOptions:
     """How occlusion is kept in the file."""
 
+    to: Annotated[Literal["vertices", "texture"], Parameter(help="Where occlusion goes.")] = "vertices"
     attribute: Annotated[
         str, Parameter(help="Of vertices: COLOR_0, whose colours are multiplied, or a name of your own, like _AO.")
     ] = "COLOR_0"
@@ -68,18 +69,41 @@ class KeptOptions:
             help=f"Make texture coordinates: {', '.join(UNWRAP)}. Auto: where there are none in 0..1 that do not overlap."
         ),
     ] = UNWRAP[0]
+    per_instance: Annotated[
+        bool,
+        Parameter(negative="", help="Give each node a mesh of its own; else nodes that show one share their mean."),
+    ] = False
 
-    def goal(self, to: str) -> Vertices | Texture:
+    def goal(self) -> Vertices | OcclusionTexture:
         """Return what is made. Raises SettingsError for what is no option of it."""
-        given = {field.name: getattr(self, field.name) for field in fields(self)}
-        own = ("attribute",) if to == "vertices" else ("size", "padding", "unwrap")
+        to = self.to
+        texture = ("size", "padding", "unwrap")
+        given = {name: getattr(self, name) for name in ("attribute", *texture)}
+        own = ("attribute",) if to == "vertices" else texture
         default = KeptOptions()
         for name, value in given.items():
             if name not in own and value != getattr(default, name):
                 other = "texture" if to == "vertices" else "vertices"
                 raise SettingsError(f"--{name} {value}: is for --to {other}")
         found = {name: given[name] for name in own}
-        return Vertices(**found) if to == "vertices" else Texture(**found)
+        return Vertices(**found) if to == "vertices" else OcclusionTexture(**found)
+
+
+@Parameter(name="*", group=RARE)
+@dataclass(frozen=True, kw_only=True)
+class PoseOptions:
+    """What is read of the scene file."""
+
+    animation: Annotated[
+        str | None, Parameter(help="Pose of a glTF file: an animation, by name or number. [default: the rest pose]")
+    ] = None
+    time: Annotated[float, Parameter(allow_leading_hyphen=True, help="Moment of --animation, seconds.")] = 0.0
+    strict: Annotated[bool, Parameter(negative="", help="Take it for an error when something is dropped or guessed.")] = False
+
+    def check(self) -> None:
+        """Raise SettingsError for a moment without an animation."""
+        if self.time and self.animation is None:
+            raise SettingsError(f"--time {self.time:g}: is the moment of an animation; add --animation NAME")
 
 
 def bake(
@@ -94,22 +118,9 @@ def bake(
             help="GLB file, - for standard output, or a folder for visibility as NPY, a file for each mesh.",
         ),
     ],
-    to: Annotated[Literal["vertices", "texture"], Parameter(group=OUTPUT, help="Where occlusion goes.")] = "vertices",
     kept: KeptOptions = KeptOptions(),
-    per_instance: Annotated[
-        bool,
-        Parameter(
-            group=OUTPUT, negative="", help="Give each node a mesh of its own; else nodes that show one share their mean."
-        ),
-    ] = False,
     rays: BakedRayOptions = BakedRayOptions(),
-    animation: Annotated[
-        str | None, Parameter(group=RARE, help="Pose of a glTF file: an animation, by name or number. [default: the rest pose]")
-    ] = None,
-    time: Annotated[float, Parameter(group=RARE, allow_leading_hyphen=True, help="Moment of --animation, seconds.")] = 0.0,
-    strict: Annotated[
-        bool, Parameter(group=RARE, negative="", help="Take it for an error when something is dropped or guessed.")
-    ] = False,
+    pose: PoseOptions = PoseOptions(),
     cache: Annotated[
         Path | None,
         Parameter(
@@ -136,24 +147,9 @@ def bake(
     scene
         Scene file. Of a GLB or glTF file all else is kept; others are written as GLB.
     """
-    settings, goal = rays.baking(), kept.goal(to)
-    if time and animation is None:
-        raise SettingsError(f"--time {time:g}: is the moment of an animation; add --animation NAME")
     check_output("-o", output, (".glb",), folder=True)
     check_json(json)
-    folder = None if no_cache else cache_folder(cache)
-    with counted("tracing") as progress:
-        try:
-            found = baked(
-                scene, settings, radius_share=parse_share(rays.radius or ""), to=goal, per_instance=per_instance,
-                animation=animation, time=time, cache=folder, progress=progress,
-            )  # fmt: skip
-        except (KeyboardInterrupt, Terminated) as error:
-            if folder is not None:
-                error.add_note("what is traced so far is kept; the same command goes on from there")
-            raise
-    if strict and found.warnings:
-        raise SceneError(f"{scene}: {found.warnings[0]} (--strict)")
+    found = _baked(scene, kept, rays, pose, None if no_cache else cache_folder(cache))
     paths = found.save(output)
     where = str(paths[0]) if len(paths) == 1 else f"{output} ({len(paths)} files)"
     say(f"{where}: {_summary(found)}")
@@ -162,11 +158,30 @@ def bake(
     return 0
 
 
+def _baked(scene: Path, kept: KeptOptions, rays: BakedRayOptions, pose: PoseOptions, cache: Path | None) -> Baked:
+    """Bake, with a progress bar; say so when it is cut."""
+    settings, goal = rays.baking(), kept.goal()
+    pose.check()
+    with counted("tracing") as progress:
+        try:
+            found = baked(
+                scene, settings, radius_share=parse_share(rays.radius or ""), to=goal, per_instance=kept.per_instance,
+                animation=pose.animation, time=pose.time, cache=cache, progress=progress,
+            )  # fmt: skip
+        except (KeyboardInterrupt, Terminated) as error:
+            if cache is not None:
+                error.add_note("what is traced so far is kept; the same command goes on from there")
+            raise
+    if pose.strict and found.warnings:
+        raise SceneError(f"{scene}: {found.warnings[0]} (--strict)")
+    return found
+
+
 def _summary(found: Baked) -> str:
     speed = f"{found.rays / 1e6:.1f} million rays in {found.seconds:.1f} s" + (", from the cache" if found.cached else "")
     places = sum(mesh.visibility.size for mesh in found.meshes)
     what = f"{len(found.meshes)} mesh{'es' if len(found.meshes) > 1 else ''}, {places:,} vertices"
-    if isinstance(found.to, Texture):
+    if isinstance(found.to, OcclusionTexture):
         what = f"{len(found.meshes)} texture{'s' if len(found.meshes) > 1 else ''} of {found.to.size}x{found.to.size}"
     return f"{found.name}, {what}, {found.settings.falloff} radius {found.settings.radius:.4g}, {found.settings.spp} rays each, {speed}"
 

@@ -39,7 +39,7 @@ def writer_of(scene: Scene) -> GltfWriter:
 
 
 def _primitive(writer: GltfWriter, mesh: Mesh) -> Tree:
-    positions = writer.accessor(mesh.positions)
+    positions = writer.accessor(mesh.positions.astype(np.float32))
     writer.tree["accessors"][positions] |= {
         "min": mesh.positions.min(0, initial=np.inf).tolist(), "max": mesh.positions.max(0, initial=-np.inf).tolist(),
     }  # fmt: skip
@@ -49,12 +49,12 @@ def _primitive(writer: GltfWriter, mesh: Mesh) -> Tree:
         unit = np.where(length > 0, mesh.normals / np.where(length > 0, length, 1), (0, 0, 1))
         attributes["NORMAL"] = writer.accessor(unit.astype(np.float32))
     if mesh.uv is not None:
-        attributes["TEXCOORD_0"] = writer.accessor(mesh.uv)
+        attributes["TEXCOORD_0"] = writer.accessor(mesh.uv.astype(np.float32))
     if mesh.vertex_colors is not None:
         linear = mesh.vertex_colors / 255
         linear[:, :3] = decode(linear[:, :3])
         attributes["COLOR_0"] = writer.accessor(np.round(linear * UNSIGNED).astype(np.uint16), normalized=True)
-    indices = writer.accessor(mesh.triangles.reshape(-1, 1), target=INDICES)
+    indices = writer.accessor(mesh.triangles.reshape(-1, 1).astype(np.uint32), target=INDICES)
     return {"attributes": attributes, "indices": indices}
 
 
