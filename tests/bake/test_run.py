@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import subprocess
 import sys
 from collections.abc import Callable
@@ -24,6 +25,7 @@ from ssao_gl.scene.model import Mesh, Scene
 from ssao_gl.scene.sample_scene import default_scene
 from ssao_gl.truth import batches, closed_forms
 
+from ..loaders.gltf_parts import FACES, QUAD, Parts
 from ..scene_files import glb, tree
 from .rich_file import chunks, rich_glb
 
@@ -280,3 +282,46 @@ def test_broken_files_are_one_line(broken: dict[str, object], says: str, tmp_pat
     with pytest.raises(ao.SceneError, match=says) as caught:
         ao.bake(path, FEW)
     assert "\n" not in str(caught.value) and str(path) in str(caught.value)
+
+
+def test_compressed_parts_stay_compressed(tmp_path: Path, errors_of: Callable[[Path], list[str]]) -> None:
+    library = pytest.importorskip("DracoPy")
+    parts = Parts(extensionsRequired=["KHR_draco_mesh_compression"], extensionsUsed=["KHR_draco_mesh_compression"])
+    content = library.encode(QUAD, faces=FACES.reshape(-1, 3), quantization_bits=14)
+    primitive = parts.quad()
+    for entry in parts.tree["accessors"]:
+        del entry["bufferView"]
+    parts.tree["accessors"][0] |= {"min": QUAD.min(0).tolist(), "max": QUAD.max(0).tolist()}
+    unique = int(library.decode(content).attributes[0]["unique_id"])
+    packed = {"bufferView": parts.view(content), "attributes": {"POSITION": unique}}
+    primitive["extensions"] = {"KHR_draco_mesh_compression": packed}
+    path = tmp_path / "packed.glb"
+    path.write_bytes(parts.show(primitive))
+    (out,) = ao.bake(path, FEW).save(tmp_path / "out.glb")
+    after = chunks(out.read_bytes())
+    assert content in after[1] and after[0]["meshes"][0]["primitives"][0]["extensions"] == primitive["extensions"]
+    assert not errors_of(out) and ao.load_scene(out).meshes[0].vertex_colors is not None
+    with pytest.raises(ao.SceneError, match="Draco"):
+        ao.bake(path, FEW, to=SMALL)
+
+
+def test_buffers_and_pictures_of_other_files_are_packed(
+    rich: Path, tmp_path: Path, errors_of: Callable[[Path], list[str]]
+) -> None:
+    made, binary, _ = chunks(rich.read_bytes())
+    image = made["images"][0]
+    view = made["bufferViews"][image.pop("bufferView")]
+    (tmp_path / "wood.png").write_bytes(binary[view["byteOffset"] : view["byteOffset"] + view["byteLength"]])
+    image["uri"] = "wood.png"
+    (tmp_path / "data.bin").write_bytes(binary)
+    made["buffers"] = [
+        {"byteLength": 4, "uri": "data:application/octet-stream;base64,AAAAAA=="},
+        {"byteLength": len(binary), "uri": "data.bin"},
+    ]
+    for each in made["bufferViews"]:
+        each["buffer"] = 1
+    (tmp_path / "rich.gltf").write_text(json.dumps(made))
+    (out,) = ao.bake(tmp_path / "rich.gltf", FEW).save(tmp_path / "out.glb")
+    after = chunks(out.read_bytes())[0]
+    assert not errors_of(out) and len(after["buffers"]) == 1 and "uri" not in after["images"][0] | after["buffers"][0]
+    assert [len(mesh.positions) for mesh in ao.load_scene(out).meshes] == [4, 4]
