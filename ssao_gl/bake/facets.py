@@ -27,6 +27,7 @@ class Facets:
     def __init__(self, rays: RayScene) -> None:
         self.rays = rays
         self._turned = {id(mesh): _turned(mesh) for mesh in rays.scene.drawn}
+        self._normal_matrices: dict[int, F64] = {}
 
     def starts(self, parts: I64, triangles: I64, u: F64, v: F64, side: float) -> tuple[F32, F32]:
         """Return origins (n, 3) in local units and unit normals (n, 3) of points on triangles of parts (n,).
@@ -52,13 +53,20 @@ class Facets:
         b -= a
         c -= a
         normal = np.stack([b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]])
-        turn = -side if np.linalg.det(matrix[:, :3]) < 0 else side
-        normal *= self._turned[id(mesh)][triangles] * turn
+        normal *= self._turned[id(mesh)][triangles] * side
         b *= u
         c *= v
         a += b
         a += c
-        return _times(matrix[:, :3], a) + matrix[:, 3:], _times(cofactors(matrix[:, :3]), normal)
+        return _times(matrix[:, :3], a) + matrix[:, 3:], _times(self._normal_matrix(part), normal)
+
+    def _normal_matrix(self, part: int) -> F64:
+        """(3, 3) that turns normals of a part outwards, also those of a mirror image. Made once: threads would make the same."""
+        found = self._normal_matrices.get(part)
+        if found is None:
+            matrix = self.rays.placed(part)[1][:, :3]
+            found = self._normal_matrices[part] = cofactors(matrix) * (-1 if np.linalg.det(matrix) < 0 else 1)
+        return found
 
     def areas(self, part: int, count: int) -> F64:
         """Return (count,) of the triangles of a part, local units; 0 for what is no number."""
@@ -84,8 +92,10 @@ def _turned(mesh: Mesh) -> NDArray[np.int8]:
 
 def _times(matrix: F64, rows: F64) -> F64:
     """(3, 3) times (3, n), the same on any number of threads."""
-    x, y, z = rows
-    return np.stack([m[0] * x + m[1] * y + m[2] * z for m in matrix])
+    out = np.empty_like(rows)
+    for row, m in zip(out, matrix, strict=True):
+        row[:] = m[0] * rows[0] + m[1] * rows[1] + m[2] * rows[2]
+    return out
 
 
 def _normalize(vectors: F64) -> None:
