@@ -48,6 +48,8 @@ def unwrap(facets: Facets, primitives: Sequence[Primitive], size: int, padding: 
         sum(float(facets.areas(primitive.parts[0], len(primitive.faces)).sum()) for primitive in primitives) * LARGEST
     )
     charts.generate(options, _packing(library, size, padding))
+    if not charts.chart_count:
+        raise SceneError("none of its triangles has an area, so there is nothing to make a texture for")
     found = [charts[number] for number in range(len(primitives))]
     sides = np.array([charts.width, charts.height])
     packed, left = _packed(library, [(uv * sides, faces) for _, faces, uv in found], size, padding)

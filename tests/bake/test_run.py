@@ -325,3 +325,11 @@ def test_buffers_and_pictures_of_other_files_are_packed(
     after = chunks(out.read_bytes())[0]
     assert not errors_of(out) and len(after["buffers"]) == 1 and "uri" not in after["images"][0] | after["buffers"][0]
     assert [len(mesh.positions) for mesh in ao.load_scene(out).meshes] == [4, 4]
+
+
+def test_what_has_no_area_is_open_or_refused() -> None:
+    points = np.zeros((3, 3), np.float32)
+    flat = Scene([Mesh(points, np.array([[0, 1, 2]], np.uint32))])
+    assert (ao.bake(flat, FEW).meshes[0].visibility == 1).all()
+    with pytest.raises(ao.SceneError, match="has an area"):
+        ao.bake(flat, FEW, to=SMALL)
