@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,14 +14,13 @@ from numpy.typing import NDArray
 from ..errors import FormatError, SettingsError, near_miss
 from ..io.atomic import atomic_write, make_folder
 from ..loaders.gltf_writing import GltfWriter, write_glb
-from ..loaders.load import reading
 from ..loaders.read_options import ReadOptions
 from ..scene.model import RADIUS_SHARE
 from ..truth.batches import TraceProgress
 from .fans import fans
 from .gathering import TracedPlaces, trace_places
 from .settings import Baking, OcclusionTexture, Vertices
-from .source import BakeSource, open_source
+from .source import BakeSource, open_source, reading_from
 from .textures import texture_groups, write_texture
 from .vertices import write_attribute
 
@@ -101,7 +99,7 @@ def bake(
     share = RADIUS_SHARE if radius_share is None else radius_share
     settings = (settings or Baking()).with_radius(source.scene.default_radius(share))
     job = _Job(source, settings, cache, progress)
-    with reading(source.path) if source.path.exists() else nullcontext():
+    with reading_from(source.path):
         meshes, traced = job.vertices(goal) if isinstance(goal, Vertices) else job.textures(goal)
     return Baked(
         source.name, meshes, settings, goal,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,7 @@ class BakeSource:
     """A file that is to be changed, what of it is baked, and what blocks."""
 
     name: str
-    path: Path
+    path: Path | None
     writer: GltfWriter
     document: Document
     primitives: list[Primitive]
@@ -50,27 +50,37 @@ def open_source(source: Any, options: ReadOptions, *, per_instance: bool = False
     """
     notes = Notes()
     path = Path(source) if isinstance(source, str | Path) else None
-    if path is not None and kind_of(path.name) in OPEN:
+    kept = path is not None and kind_of(path.name) in OPEN
+    if path is not None and kept:
         with reading(path):
             writer = _opened(path, notes)
+        name = path.name
     else:
         scene = as_scene(source) if path is None else load_scene(
             path, crease=options.crease, animation=options.animation, time=options.time, point_size=options.point_size
         )  # fmt: skip
-        writer, path = writer_of(scene), path or Path(scene.name or "scene")
+        for line in scene.warnings:
+            notes.add(line)
+        writer, name = writer_of(scene), scene.name or "the scene"
         options = ReadOptions(crease=options.crease)
-    where = path
-    if per_instance:
-        separate_instances(writer.tree, notes)
-    document = writer.document(FolderResolver(in_folder(where.parent)))
-    document.notes = notes
-    with reading(where) if where.exists() else nullcontext():
+    with reading_from(path):
+        if per_instance:
+            separate_instances(writer.tree, notes)
+        beside = FolderResolver((lambda name: None) if path is None else in_folder(path.parent))
+        document = writer.document(beside)
+        document.notes = notes
         primitives, meshes = read_primitives(document, options)
-        made = finished(meshes, (), (0.0, 1.0, 0.0), encodable(where.name), notes)
-    notes.say(where)
+        made = finished(meshes, (), (0.0, 1.0, 0.0), encodable(name), notes)
+    if kept:  # of others it is said by now
+        notes.say(path)
     rays = RayScene(made)
     find_parts(primitives, rays)
-    return BakeSource(encodable(where.name), where, writer, document, primitives, Facets(rays))
+    return BakeSource(encodable(name), path, writer, document, primitives, Facets(rays))
+
+
+def reading_from(path: Path | None) -> AbstractContextManager[None]:
+    """Return what makes one line of errors of a file; of a scene in memory they are its caller's."""
+    return nullcontext() if path is None else reading(path)
 
 
 def _opened(path: Path, notes: Notes) -> GltfWriter:
