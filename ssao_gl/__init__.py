@@ -39,10 +39,10 @@ def __getattr__(name: str) -> Any:
 
 
 class _Package(ModuleType):
-    """This package, whose ``render`` stays the function when the room of that name is imported."""
+    """This package, whose ``render`` and ``bake`` stay the functions when the rooms of these names are imported."""
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name != "render" or not isinstance(value, ModuleType):
+        if name not in ("render", "bake") or not isinstance(value, ModuleType):
             super().__setattr__(name, value)
 
 

@@ -1,5 +1,6 @@
 from . import gl
 from .api import apply, normals_from_depth, occlusion, render
+from .bake import Baked, Baking, OcclusionTexture, Vertices, bake
 from .errors import ContextError, FormatError, GraphError, InputWarning, SceneError, SettingsError, ShaderError, SsaoError
 from .io.srgb import multiply
 from .loaders.as_scene import as_scene
@@ -25,6 +26,8 @@ __version__: str
 
 __all__ = [
     "Alchemy",
+    "Baked",
+    "Baking",
     "Bitmask",
     "Camera",
     "Choice",
@@ -40,6 +43,7 @@ __all__ = [
     "Lecture",
     "LectureBlur",
     "Mesh",
+    "OcclusionTexture",
     "Picture",
     "Renderer",
     "Rotation",
@@ -52,8 +56,10 @@ __all__ = [
     "Shading",
     "SsaoError",
     "Target",
+    "Vertices",
     "apply",
     "as_scene",
+    "bake",
     "compare",
     "gl",
     "load_scene",

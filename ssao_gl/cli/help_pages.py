@@ -29,6 +29,11 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
         "ssao_gl.cli.truth:truth",
         "Trace ambient occlusion by rays, to measure others by.\n\nThe same command goes on where Ctrl-C cut it.",
     ),
+    "bake": (
+        "ssao_gl.cli.bake:bake",
+        "Trace ambient occlusion into the vertices or textures of a GLB file.\n\n"
+        "No OpenGL is needed. The same command goes on where Ctrl-C cut it.",
+    ),
     "report": (
         "ssao_gl.cli.report:report",
         "Measure methods against ray-traced truth and against the clock.\n\nThe same command goes on where it was cut.",

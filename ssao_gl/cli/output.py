@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
+import logging
 import re
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any, TypeVar
 
 from ..errors import FormatError, InputWarning, SettingsError, near_miss, one_line
 from ..io.atomic import atomic_write, check_writable, is_folder, why_unreadable
+from ..io.cache import default_folder
 from ..io.streams import STDOUT, is_stream, output_suffix
 from ..scene.projection import MAX_SIDE, pixel_size
 
@@ -88,6 +90,22 @@ def progress(items: Iterable[Item], title: str, total: int) -> Iterator[Item]:
     from rich.progress import track
 
     yield from track(items, title, total, console=Console(stderr=True))
+
+
+@contextmanager
+def counted(title: str) -> Iterator[Callable[[int, int], None] | None]:
+    """Show a progress bar with the time left, when standard error is a terminal; it is told (done, total), at any time."""
+    if QUIET.get() or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def write_json(path: Path, content: Mapping[str, Any] | Sequence[Any]) -> None:
@@ -166,3 +184,16 @@ def parse_vector(name: str, text: str) -> tuple[float, float, float]:
         axis = ", or an axis: x, y or z" if name == "up" else ""
         raise SettingsError(f"--{name} {text}: must be three numbers, like 1,2.5,-3{axis}") from None
     return x, y, z
+
+
+def cache_folder(given: Path | None) -> Path | None:
+    """Return the cache folder; one that was not asked for and cannot be written is done without. Raises FormatError."""
+    folder = given or default_folder()
+    try:
+        check_writable(folder, folder=True)
+    except FormatError as error:
+        if given is not None:
+            raise
+        logging.getLogger("ssao_gl").warning("%s; going on without a cache", error)
+        return None
+    return folder

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import logging
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..errors import FormatError
 from ..io import images
-from ..io.atomic import check_writable
-from ..io.cache import default_folder
 from ..render.picture import Picture
 from ..sampling.falloff import Falloff
 from ..scene.camera import Camera
@@ -23,10 +17,9 @@ from ..scene.model import Scene
 from ..scene.projection import Size
 from ..truth import Tracing, Truth, trace
 from ..truth.settings import MOST_SPP, NORMALS, SPP
-from ..truth.trace import TraceProgress
 from .help_pages import OUTPUT, RAYS
 from .options import ViewOptions
-from .output import QUIET, check_json, check_output, check_radius, say, write_json
+from .output import cache_folder, check_json, check_output, check_radius, counted, say, write_json
 from .signals import Terminated
 from .tokens import WHOLE, parse_share
 
@@ -120,7 +113,7 @@ def truth(
         return _bench(view, scene, rays)
     check_output("-o", output, images.SUFFIXES, folder=True)
     check_json(json)
-    folder = None if no_cache else _folder(cache)
+    folder = None if no_cache else cache_folder(cache)
     loaded = view.load(scene)
     tracing = rays.settled(tracing, loaded)
     camera = view.choose(loaded)
@@ -152,7 +145,7 @@ def _bench(view: ViewOptions, path: Path | None, rays: RayOptions) -> int:
 def _traced(scene: Scene, camera: Camera, size: Size, tracing: Tracing, folder: Path | None) -> Truth:
     """Trace, with a progress bar; say so when it is cut, and when it is less exact than was asked for."""
     log = logging.getLogger("ssao_gl")
-    with _bar() as progress:
+    with counted("tracing") as progress:
         try:
             found = trace(scene, camera, size, tracing, cache=folder, progress=progress)
         except (KeyboardInterrupt, Terminated) as error:
@@ -195,32 +188,3 @@ def _numbers(scene: Scene, found: Truth) -> dict[str, object]:
         "covered": float(found.covered.mean()),
         "mean_visibility": float(covered.mean()) if covered.size else None,
     }
-
-
-def _folder(given: Path | None) -> Path | None:
-    """Return the cache folder; one that was not asked for and cannot be written is done without."""
-    folder = given or default_folder()
-    try:
-        check_writable(folder, folder=True)
-    except FormatError as error:
-        if given is not None:
-            raise
-        logging.getLogger("ssao_gl").warning("%s; going on without a cache", error)
-        return None
-    return folder
-
-
-@contextmanager
-def _bar() -> Iterator[TraceProgress | None]:
-    """Show a progress bar with the time left, when standard error is a terminal."""
-    if QUIET.get() or not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("tracing", total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)

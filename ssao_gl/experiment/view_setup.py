@@ -22,8 +22,8 @@ from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
 from ..truth import Surface, Tracing, Truth, surface, trace
+from ..truth.batches import TraceProgress
 from ..truth.rays import RayScene
-from ..truth.trace import TraceProgress
 
 F32 = NDArray[np.float32]
 

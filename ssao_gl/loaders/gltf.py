@@ -7,6 +7,9 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
+from collections.abc import Iterator, Sized
+from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,25 +33,66 @@ MAX_PLACED = 100_000
 """Primitives at all their nodes."""
 
 
+@dataclass(frozen=True)
+class Shape:
+    """A primitive in one of the shapes that it takes, and (k, 4, 4) where it stands. ``points``: it has no triangles."""
+
+    mesh: int
+    primitive: int
+    name: str
+    data: MeshData
+    transforms: Matrix
+    points: bool
+
+    def built(self, options: ReadOptions) -> list[Mesh]:
+        """Return what is drawn of it. Raises SceneError."""
+        if self.points:
+            return [_points(self.data, m, self.name, options) for m in self.transforms if len(self.data.vertices)]
+        drawn = len(self.data.faces) and len(self.transforms)
+        return [build_mesh(self.data, self.transforms, self.name, options.crease)] if drawn else []
+
+
 def read_gltf(document: Document, options: ReadOptions) -> tuple[list[Mesh], list[Camera]]:
     """Meshes and cameras of a document. Raises SceneError."""
+    with broken_structure():
+        shapes, cameras = read_shapes(document, options)
+        made = [mesh for shape in shapes for mesh in shape.built(options)]
+    check_any(document, made)
+    return made, cameras
+
+
+def read_shapes(document: Document, options: ReadOptions) -> tuple[Iterator[Shape], list[Camera]]:
+    """Primitives in the shapes that they take, made one after another, and cameras. Raises SceneError, and what a broken
+    structure leads to (see :func:`broken_structure`)."""
+    check_extensions(document)
+    if options.animation is not None:
+        pose(document, options.animation, options.time)
+    placed, cameras, worlds = flatten(document)
+    return _made(document, placed, worlds), cameras
+
+
+@contextmanager
+def broken_structure() -> Iterator[None]:
+    """Turn what a broken document leads Python into to a SceneError."""
     try:
-        check_extensions(document)
-        if options.animation is not None:
-            pose(document, options.animation, options.time)
-        placed, cameras, worlds = flatten(document)
-        return _meshes(document, placed, worlds, options), cameras
+        yield
     except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise SceneError(f"its glTF structure is broken ({type(error).__name__}: {error})") from error
 
 
-def _meshes(document: Document, placed: list[Placed], worlds: dict[int, Matrix], options: ReadOptions) -> list[Mesh]:
-    """A mesh for each primitive in each shape that it takes; nodes that show the same become instances."""
-    shapes = _shapes(document, placed)
+def check_any(document: Document, made: Sized) -> None:
+    """Raise SceneError when nothing of a document can be drawn."""
+    if not len(made):
+        with broken_structure():
+            lines = any(mesh["primitives"] for mesh in document.tree.get("meshes", []))
+        raise SceneError("holds no triangles" + (", only lines or what has no size" if lines else ""))
+
+
+def _made(document: Document, placed: list[Placed], worlds: dict[int, Matrix]) -> Iterator[Shape]:
+    """One for each primitive in each shape that it takes; nodes that show the same become instances."""
     materials = Materials(document)
-    made: list[Mesh] = []
     names: Counter[str] = Counter()
-    for (mesh, number, *_), nodes in shapes.items():
+    for (mesh, number, *_), nodes in _shapes(document, placed).items():
         entry = document.entry("meshes", mesh)
         primitive = entry["primitives"][number]
         node = nodes[0].node
@@ -59,14 +103,7 @@ def _meshes(document: Document, placed: list[Placed], worlds: dict[int, Matrix],
         names[name] += 1
         name = name if names[name] == 1 else f"{name}_{names[name] - 1}"
         transforms = np.eye(4)[None] if skin is not None else np.concatenate([each.transforms for each in nodes])
-        if primitive.get("mode") == POINTS:
-            made += [_points(data, transform, name, options) for transform in transforms if len(data.vertices)]
-        elif len(data.faces) and len(transforms):
-            made.append(build_mesh(data, transforms, name, options.crease))
-    if not made:
-        lines = any(mesh["primitives"] for mesh in document.tree.get("meshes", []))
-        raise SceneError("holds no triangles" + (", only lines or what has no size" if lines else ""))
-    return made
+        yield Shape(mesh, number, name, data, transforms, primitive.get("mode") == POINTS)
 
 
 def _shapes(document: Document, placed: list[Placed]) -> dict[tuple[Any, ...], list[Placed]]:

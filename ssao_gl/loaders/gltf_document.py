@@ -46,6 +46,8 @@ class Document:
     chunk: Bytes | None = None
     notes: Notes = field(default_factory=Notes)
     taken: int = 0
+    rest: bytes = b""
+    """Chunks behind the binary one, which only extensions know."""
     _buffers: dict[int, Bytes] = field(default_factory=dict)
     _views: dict[int, Bytes] = field(default_factory=dict)
 
@@ -79,9 +81,10 @@ class Document:
         offset, length = int(entry.get("byteOffset", 0)), int(entry["byteLength"])
         # What is announced is checked before the buffer is read.
         check_fits(what, offset, length, f"buffer {entry['buffer']}", int(self.entry("buffers", entry["buffer"])["byteLength"]))
-        return self._buffer(entry["buffer"])[offset : offset + length]
+        return self.buffer(entry["buffer"])[offset : offset + length]
 
-    def _buffer(self, number: Any) -> Bytes:
+    def buffer(self, number: Any) -> Bytes:
+        """The bytes of a buffer. Raises SceneError."""
         if index(number) not in self._buffers:
             entry = self.entry("buffers", number)
             uri, length = entry.get("uri"), int(entry["byteLength"])
@@ -133,7 +136,8 @@ def open_glb(file: BinaryIO, size: int, beside: FolderResolver) -> Document:
     if head[16:20] != b"JSON":
         raise SceneError("has no JSON part where a GLB file must have it; it is broken")
     tree = _parse(file.read(length))
-    return Document(tree, beside, size, _binary(file, size))
+    chunk = _binary(file, size)
+    return Document(tree, beside, size, chunk, rest=file.read(max(total - file.tell(), 0)))
 
 
 def open_gltf(file: BinaryIO, size: int, beside: FolderResolver) -> Document:

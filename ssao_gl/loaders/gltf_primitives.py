@@ -26,7 +26,7 @@ def primitive_data(
     document: Document, materials: Materials, primitive: Tree, weights: list[float], skin: Tree | None, worlds: dict[int, Matrix]
 ) -> MeshData:  # fmt: skip
     """The triangles of a primitive (points: no faces) with the given morph weights, and in the world where it is skinned."""
-    faces, attributes = _content(document, primitive)
+    faces, attributes = primitive_content(document, primitive)
     count = len(attributes["POSITION"])
     document.take(24 * count)
     for name in [name for name in attributes if len(attributes[name]) != count]:
@@ -45,7 +45,7 @@ def primitive_data(
     return _painted(data, attributes, materials, primitive)
 
 
-def _content(document: Document, primitive: Tree) -> tuple[NDArray[Any], Attributes]:
+def primitive_content(document: Document, primitive: Tree) -> tuple[NDArray[Any], Attributes]:
     """Faces (m, 3) and the attributes that are drawn."""
     accessors = primitive["attributes"]
     names = [name for name in accessors if name in ("POSITION", "NORMAL", "COLOR_0") or name.startswith("TEXCOORD_")]

@@ -6,6 +6,8 @@ import gc
 import logging
 import math
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +43,22 @@ def load_scene(
     ``Scene.warnings``. Raises SceneError, in one line, for anything that cannot be read or drawn.
     """
     path, notes = Path(path), Notes()
+    with reading(path):
+        scene = _read(path, up, ReadOptions(crease=crease, animation=animation, time=time, point_size=point_size), notes)
+    notes.say(path)
+    if scene.triangles > LARGE:
+        gc.collect()  # meshes of trimesh refer to themselves, and would stay beside what is uploaded now
+    return scene
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Turn whatever reading a scene file leads into to a SceneError of one line. Raises one for what is no file, too."""
     if reason := why_unreadable(path):
         raise SceneError(f"{path}: {reason}; expected a scene file")
     try:
         with _quiet():
-            scene = _read(path, up, ReadOptions(crease=crease, animation=animation, time=time, point_size=point_size), notes)
+            yield
     except SceneError as error:
         raise SceneError(f"{path}: {one_line(error, 500)}") from error
     except (KeyboardInterrupt, SystemExit):
@@ -57,10 +70,6 @@ def load_scene(
         raise SceneError(
             f"{path}: not a readable mesh file ({type(error).__name__}: {brief}); is it truncated or broken?"
         ) from error
-    notes.say(path)
-    if scene.triangles > LARGE:
-        gc.collect()  # meshes of trimesh refer to themselves, and would stay beside what is uploaded now
-    return scene
 
 
 def _read(path: Path, up: str, options: ReadOptions, notes: Notes) -> Scene:

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sampling.hemisphere import hemisphere_directions, sobol_points
+from .batches import local_radius, means
 from .rays import DIAMETER, threads
 from .settings import Tracing
 from .sums import blocks
 from .surface import Surface
-from .trace import local_radius, means
 
 F32 = NDArray[np.float32]
 
@@ -30,6 +30,7 @@ def bench(seen: Surface, tracing: Tracing, *, blocks_used: int = 16, rounds: int
     samples, radius = sobol_points(length, tracing.seed, 0), local_radius(seen.rays, tracing)
     every = list(enumerate(blocks(len(seen.origins))))
     chosen = [every[k] for k in np.unique(np.linspace(0, len(every) - 1, blocks_used).astype(int))]
+    places = seen.places(tracing.normals)
     ready = [_rays(seen, at, samples, tracing.seed, index) for index, at in chosen]
     count = sum(len(hemisphere_directions) for _, hemisphere_directions in ready)
     reach = min(radius, DIAMETER)
@@ -39,8 +40,7 @@ def bench(seen: Surface, tracing: Tracing, *, blocks_used: int = 16, rounds: int
 
     def traced(part: tuple[int, slice]) -> int:
         index, at = part
-        random = np.random.default_rng([tracing.seed, 0, index])
-        return round(float((1 - means(seen, at, tracing, radius, samples, random)).sum()) * length)
+        return round(float((1 - means(places, at, tracing, radius, samples, (tracing.seed, 0, index))).sum()) * length)
 
     speeds = {}
     for workers in sorted({1, threads()}):

@@ -124,6 +124,10 @@ class RayScene:
             holes.append(of[alpha < (mesh.cutoff or 0)])
         return np.sort(np.concatenate(holes))
 
+    def placed(self, part: int) -> tuple[Mesh, F64]:
+        """Return the mesh of a part, whose triangles it has in their order, and (3, 4) to local coordinates."""
+        return self._parts[part]
+
     def corners(self, part: int, triangles: I32) -> tuple[F64, F64]:
         """Corners (n, 3, 3) of some triangles of a part, local, and vertex normals (n, 3, 3), zero where there are none.
 
@@ -134,11 +138,11 @@ class RayScene:
         points = draw.positions[index].astype(np.float64) @ matrix[:, :3].T + matrix[:, 3]
         if draw.normals is None:
             return points, np.zeros_like(points)
-        return points, draw.normals[index].astype(np.float64) @ _cofactors(matrix[:, :3]).T
+        return points, draw.normals[index].astype(np.float64) @ cofactors(matrix[:, :3]).T
 
 
-def _cofactors(m: F64) -> F64:
-    """det(m) times the inverse transpose: turns normals as ``m`` turns planes, for singular matrices too."""
+def cofactors(m: F64) -> F64:
+    """Return det(m) times the inverse transpose: turns normals as ``m`` turns planes, for singular matrices too."""
     return np.stack([np.cross(m[1], m[2]), np.cross(m[2], m[0]), np.cross(m[0], m[1])])
 
 

@@ -16,10 +16,10 @@ from ..sampling.hemisphere import frames
 from ..sampling.scatter import RayLayer, ray_layers
 from ..scene.camera import Camera
 from ..scene.projection import Size, ViewConstants
+from .batches import local_radius
 from .rays import DIAMETER, OFFSET, RayScene, threads
 from .settings import Tracing
 from .sums import blocks
-from .trace import local_radius
 
 F32 = NDArray[np.float32]
 

@@ -36,9 +36,10 @@ def content_key(scene: Scene, camera: Camera, size: Size, tracing: Tracing) -> s
 class Store:
     """The two files of one key: the result, and what is traced so far."""
 
-    def __init__(self, folder: Path, key: str) -> None:
-        self._result = folder / f"truth-{key}.npz"
-        self._partial = folder / f"truth-{key}.part.npz"
+    def __init__(self, folder: Path, key: str, kind: str = "truth") -> None:
+        self._kind = kind
+        self._result = folder / f"{kind}-{key}.npz"
+        self._partial = folder / f"{kind}-{key}.part.npz"
 
     def result(self) -> dict[str, Any] | None:
         """Return what :meth:`finish` wrote, or None."""
@@ -61,15 +62,15 @@ class Store:
         _write(self._result, arrays)
         with suppress(OSError):
             self._partial.unlink(missing_ok=True)
-        prune(self._result.parent, "truth")
+        prune(self._result.parent, self._kind)
 
 
-def store(folder: Path, key: str) -> Store:
-    """Return the store of ``key`` in ``folder``, which is made. Raises FormatError at once when nothing can be written
+def store(folder: Path, key: str, kind: str = "truth") -> Store:
+    """Return the store of ``key`` among files of a ``kind`` in ``folder``, which is made. Raises FormatError at once when nothing can be written
     there."""
     make_folder(folder)
     check_writable(folder, folder=True)
-    return Store(folder, key)
+    return Store(folder, key, kind)
 
 
 def _digest(arrays: dict[str, Any]) -> str:

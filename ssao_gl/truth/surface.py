@@ -19,6 +19,21 @@ CHUNK = 1 << 14
 
 
 @dataclass(frozen=True, eq=False)
+class PixelPlaces:
+    """Points that rays start from, each a place by itself."""
+
+    rays: RayScene
+    origins: F32
+    normals: F32
+
+    def __len__(self) -> int:
+        return len(self.origins)
+
+    def points(self, at: slice) -> list[tuple[F32, F32]]:
+        return [(self.origins[at], self.normals[at])]
+
+
+@dataclass(frozen=True, eq=False)
 class Surface:
     """The visible surface, of covered pixels only, in row order (row 0 on top).
 
@@ -32,6 +47,10 @@ class Surface:
     origins: F32
     normals: F32
     shading: F32
+
+    def places(self, normals: str = "geometric") -> PixelPlaces:
+        """Return where rays start, one point a covered pixel, about normals of a kind: geometric or shading."""
+        return PixelPlaces(self.rays, self.origins, self.shading if normals == "shading" else self.normals)
 
     @property
     def covered(self) -> NDArray[np.bool_]:

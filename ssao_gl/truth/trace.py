@@ -1,11 +1,7 @@
-"""Visibility by rays, in batches: with its standard error, interruptible, and the same bytes however it was cut."""
+"""Visibility of what a camera sees, by rays, with its standard error."""
 
 from __future__ import annotations
 
-import time
-from collections import deque
-from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,29 +9,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SettingsError
-from ..sampling.falloff import Falloff, rho
-from ..sampling.hemisphere import hemisphere_directions, sobol_points
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size, pixel_size
-from .rays import DIAMETER, OFFSET, RayScene, threads
+from .batches import TraceProgress, gather_sums
 from .settings import Tracing
 from .store import Store, content_key, store
-from .sums import BLOCK, Sums, blocks, rms
+from .sums import rms
 from .surface import Surface, surface
 
 F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
-
-LEAST_BATCHES = 4
-"""Before ``max_stderr`` may stop: the spread of fewer says little."""
-
-SAVE_SECONDS = 10.0
-"""Between two saves of what is traced so far: a killed process loses no more than this."""
-
-TraceProgress = Callable[[int, int], None]
-"""Called with the rays traced and the rays there will be (an estimate with ``max_stderr``)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,109 +90,7 @@ def gather(seen: Surface, tracing: Tracing, *, kept: Store | None = None, progre
 
     One surface serves many calls: other radii, falloffs, numbers of rays. ``kept`` is where what is traced so far goes.
     """
-    work = TraceWork(seen, tracing, local_radius(seen.rays, tracing), kept, progress or (lambda done, total: None))
-    saved = kept.partial() if kept is not None else None
-    fits = saved is not None and len(saved["total"]) == len(seen.origins)
-    sums = Sums.restored(saved) if fits and saved is not None else Sums.empty(len(seen.origins))
-    if sums.parts:
-        with ThreadPoolExecutor(threads()) as pool:
-            work.run(sums, pool)
+    sums = gather_sums(seen.places(tracing.normals), tracing, kept=kept, progress=progress)
     mean, error = sums.estimate()
     spp = sums.batches * tracing.batches[0]
     return Truth(seen.image(mean, 1), seen.image(error, 0), seen.depth, tracing, spp, sums.seconds)
-
-
-def local_radius(rays: RayScene, tracing: Tracing) -> float:
-    """Return the radius in local units. Raises SettingsError when it is not settled, or so small that offsets would blur it."""
-    if tracing.radius is None:
-        raise SettingsError("truth.radius: must be given here")
-    least = 64 * OFFSET
-    if tracing.radius * rays.scale < least:
-        raise SettingsError(
-            f"truth.radius={tracing.radius:g}: too small for 32-bit rays in a scene this large; must be at least {least / rays.scale:.3g}"
-        )
-    return tracing.radius * rays.scale
-
-
-@dataclass(frozen=True, eq=False)
-class TraceWork:
-    """What is to be traced, and whom to tell."""
-
-    seen: Surface
-    tracing: Tracing
-    radius: float
-    kept: Store | None
-    progress: TraceProgress
-
-    def run(self, sums: Sums, pool: ThreadPoolExecutor) -> None:
-        """Add batches to ``sums`` until there are enough. What is traced so far is kept, whatever ends it."""
-        sobol_points(self.tracing.batches[0], self.tracing.seed, sums.batches)  # imports scipy: not on the clock
-        before, started = sums.seconds, time.perf_counter()
-        saved = started
-        try:
-            while (total := self._batches(sums)) > sums.batches:
-                batch = sums.batches
-                for index, means in self._batch(sums, batch, pool):
-                    sums.parts[index] = sums.parts[index].plus(means)
-                    now = time.perf_counter()
-                    sums.seconds = before + now - started
-                    self._tell(batch, index, total)
-                    if self.kept is not None and now - saved > SAVE_SECONDS:
-                        self.kept.keep(sums.saved())
-                        saved = now
-        except BaseException:
-            if self.kept is not None:
-                self.kept.keep(sums.saved())
-            raise
-
-    def _batches(self, sums: Sums) -> int:
-        """How many batches there will be, as far as can be told."""
-        most, limit, done = self.tracing.batches[1], self.tracing.max_stderr, sums.batches
-        if limit is None:
-            return most
-        if done < LEAST_BATCHES or any(part.batches != done for part in sums.parts):
-            return min(most, max(done + 1, LEAST_BATCHES))
-        error = rms(sums.estimate()[1])
-        if error <= limit:
-            return done
-        return int(min(most, max(done + 1, done * (error / limit) ** 2)))
-
-    def _batch(self, sums: Sums, batch: int, pool: ThreadPoolExecutor) -> Iterator[tuple[int, F64]]:
-        """(block, means of one batch) for every block that lacks it, in order, traced a few ahead."""
-        samples = sobol_points(self.tracing.batches[0], self.tracing.seed, batch)
-        waiting: deque[tuple[int, Future[F64]]] = deque()
-        try:
-            for index, at in enumerate(blocks(len(self.seen.origins))):
-                if sums.parts[index].batches > batch:
-                    continue
-                random = np.random.default_rng([self.tracing.seed, batch, index])
-                waiting.append((index, pool.submit(means, self.seen, at, self.tracing, self.radius, samples, random)))
-                if len(waiting) > 2 * threads():
-                    first, future = waiting.popleft()
-                    yield first, future.result()
-            while waiting:
-                first, future = waiting.popleft()
-                yield first, future.result()
-        finally:
-            for _, future in waiting:
-                future.cancel()
-
-    def _tell(self, batch: int, index: int, total: int) -> None:
-        pixels, length = len(self.seen.origins), self.tracing.batches[0]
-        part = min((index + 1) * BLOCK, pixels)
-        self.progress((batch * pixels + part) * length, total * pixels * length)
-
-
-def means(seen: Surface, at: slice, tracing: Tracing, radius: float, samples: F64, random: np.random.Generator) -> F64:
-    """Mean visibility (n,) of the pixels ``at`` over one batch of samples (m, 2). ``radius``: in local units."""
-    normals = (seen.shading if tracing.normals == "shading" else seen.normals)[at]
-    origins = seen.origins[at]
-    reach = np.float32(min(radius, DIAMETER))
-    total = np.zeros(len(origins))
-    for direction in hemisphere_directions(normals, samples, random):
-        if tracing.falloff == Falloff.HARD:
-            total += seen.rays.occluded(origins, direction, float(reach))
-        else:
-            far = seen.rays.distances(origins, direction, float(reach))
-            total += np.where(far < reach, rho(tracing.falloff, far / np.float32(radius)), 0)
-    return 1 - total / len(samples)
