@@ -20,6 +20,8 @@ from .scene.camera import Camera
 from .scene.depth_image import DepthImage
 from .scene.model import Mesh, Scene
 from .scene.pose import look_at
+from .scene.spheres import Spheres
+from .scene.volume import Volume
 
 __version__: str
 
@@ -50,8 +52,10 @@ __all__ = [
     "SettingsError",
     "ShaderError",
     "Shading",
+    "Spheres",
     "SsaoError",
     "Target",
+    "Volume",
     "apply",
     "as_scene",
     "compare",

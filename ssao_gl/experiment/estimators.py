@@ -18,7 +18,7 @@ from ..gl.timer import PassTime
 from ..passes.denoise import Joint
 from ..pipeline.settings import Settings
 from ..truth import Surface, Tracing, gather
-from ..truth.rays import TRIANGLE_BYTES
+from ..truth.triangles import TRIANGLE_BYTES
 from .view_setup import ViewSetup
 
 F32 = NDArray[np.float32]

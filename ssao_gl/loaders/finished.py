@@ -40,7 +40,7 @@ def finished(
         )
     if not scene.drawn:
         notes.add("nothing can be seen: all of it is transparent")
-    elif not any(_has_area(mesh) for mesh in scene.drawn):
+    elif not any(_has_area(mesh) for mesh in scene.meshes if mesh.can_show):
         notes.add("nothing can be seen: none of its triangles has an area")
     return Scene(meshes, cameras, up, name, warnings=notes.lines)
 

@@ -8,7 +8,11 @@ from ..graph.declare import Pass, Texture
 from ..graph.draws import DrawScene, ViewValue
 from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, LAYER_2_MASK, NORMAL, SCENE_MASK, SHADING_NORMAL
 
-SHADER = ("gbuffer.vert", "gbuffer.frag")
+SHADERS = {
+    "mesh": ("gbuffer.vert", "gbuffer.frag"),
+    "spheres": ("spheres.vert", "spheres.frag"),
+}
+"""Vertex and fragment shader by kind of thing; what they write is in ``lib/surface.glsl``."""
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -24,12 +28,12 @@ def gbuffer(background: Sequence[float], *, geometric: bool) -> Pass:
         COLOR: Texture("rgba8"),
     }
     clears = dict.fromkeys(targets, NOTHING) | {COLOR: (*background, 1.0)}
-    draw = DrawScene(SHADER, clears, defines={"GEOMETRIC": 1} if geometric else {})
+    draw = DrawScene(SHADERS, clears, defines={"GEOMETRIC": 1} if geometric else {})
     return Pass("gbuffer", "gbuffer", draw, targets, depth=SCENE_MASK)
 
 
 def layer_behind() -> Pass:
     """Draw the linear depth of the surface behind the first at every pixel, 0 where there is none."""
     uniforms = {"u_texel": ViewValue("image_texel")}
-    draw = DrawScene(SHADER, {DEPTH_LAYER_2: NOTHING}, {"u_front": DEPTH}, uniforms, {"BEHIND": 1})
+    draw = DrawScene(SHADERS, {DEPTH_LAYER_2: NOTHING}, {"u_front": DEPTH}, uniforms, {"BEHIND": 1})
     return Pass("layer behind", "layer", draw, {DEPTH_LAYER_2: Texture("r32f")}, depth=LAYER_2_MASK)

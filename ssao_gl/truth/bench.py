@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..sampling.hemisphere import hemisphere_directions, sobol_points
-from .rays import DIAMETER, threads
+from .blockers import DIAMETER, threads
 from .settings import Tracing
 from .sums import blocks
 from .surface import Surface

@@ -19,7 +19,8 @@ from ..sampling.hemisphere import hemisphere_directions, sobol_points
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size, pixel_size
-from .rays import DIAMETER, OFFSET, RayScene, threads
+from .blockers import DIAMETER, OFFSET, threads
+from .rays import RayScene
 from .settings import Tracing
 from .store import Store, content_key, store
 from .sums import BLOCK, Sums, blocks, rms
