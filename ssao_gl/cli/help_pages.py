@@ -73,5 +73,7 @@ def _folded(console: Console, options: ConsoleOptions, panel: HelpPanel) -> None
 SWEEP, OF_TRUTH, GATE = (Group.create_ordered(name) for name in ("Sweep", "Truth", "Gate"))
 OCCLUSION, RAYS, VIEW, OUTPUT = (Group.create_ordered(name) for name in ("Occlusion", "Rays", "View", "Output"))
 """Groups of options, in the order of the page."""
+MOLECULE = Group.create_ordered("Molecules", help_formatter=_folded)
+"""Options that one kind of scene has."""
 RARE = Group.create_ordered("More options", help_formatter=_folded)
 """Options that few need."""
