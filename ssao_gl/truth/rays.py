@@ -15,10 +15,15 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..scene.model import Mesh, Scene
+from ..scene.spheres import Spheres
 from .blockers import F32, F64, Blockers, Hits
+from .spheres import SphereBlockers
 from .triangles import TriangleBlockers
 
-KINDS: Mapping[type, Callable[[Sequence[tuple[Any, F64]], str], Blockers]] = {Mesh: TriangleBlockers}
+KINDS: Mapping[type, Callable[[Sequence[tuple[Any, F64]], str], Blockers]] = {
+    Mesh: TriangleBlockers,
+    Spheres: SphereBlockers,
+}
 """Things of a scene -> what makes blockers of them and of matrices (3, 4) that place them in local coordinates."""
 
 
