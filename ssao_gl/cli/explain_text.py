@@ -62,7 +62,9 @@ class Explained:
     def tell(self, rounds: int) -> None:
         """Print it all."""
         scene, method = self.scene, self.made.settings.method
-        say(f"{scene.name}: {scene.contents}, camera {self.camera.name or 'automatic'}")
+        say(
+            f"{scene.name}: {scene.contents}{f' in {len(scene.meshes)} meshes' if scene.meshes else ''}, camera {self.camera.name or 'automatic'}"
+        )
         say(f"{method.name}: " + ", ".join(f"{f.name} {getattr(method, f.name)}" for f in dataclasses.fields(method)))  # type: ignore[arg-type]
         if self.cut:
             w, h = self.cut.size

@@ -53,10 +53,7 @@ Examples:
 
 ssao-gl COMMAND -h shows the options of a command."""
 
-OF_METHODS = (
-    "All settings of a method, with ranges and defaults, for --set and TOML files: ssao-gl methods NAME, as in"
-    " ssao-gl methods alchemy."
-)
+OF_METHODS = "Settings of a method, for --set and TOML: ssao-gl methods NAME, as alchemy."
 
 
 def _folded(console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
@@ -73,7 +70,5 @@ def _folded(console: Console, options: ConsoleOptions, panel: HelpPanel) -> None
 SWEEP, OF_TRUTH, GATE = (Group.create_ordered(name) for name in ("Sweep", "Truth", "Gate"))
 OCCLUSION, RAYS, VIEW, OUTPUT = (Group.create_ordered(name) for name in ("Occlusion", "Rays", "View", "Output"))
 """Groups of options, in the order of the page."""
-MOLECULE = Group.create_ordered("Molecules", help_formatter=_folded)
-"""Options that one kind of scene has."""
 RARE = Group.create_ordered("More options", help_formatter=_folded)
 """Options that few need."""

@@ -10,11 +10,11 @@ from cyclopts import Parameter
 from ..errors import SettingsError
 from ..loaders.atom_looks import COLORS_BY
 from ..loaders.read_options import MoleculeOptions
-from .help_pages import MOLECULE
+from .help_pages import RARE
 from .tokens import WHOLE
 
 
-@Parameter(name="*", group=MOLECULE)
+@Parameter(name="*", group=RARE)
 @dataclass(frozen=True, kw_only=True)
 class AtomOptions:
     """Which atoms of a molecule are drawn, and how."""

@@ -119,7 +119,8 @@ class Renderer:
         self._check("drawing")
         report = frame_report(self.ctx, made.settings, size, frame, time.perf_counter() - started)
         report |= time_passes(frame, timed, made.view, scene=seen, region=made.region)
-        about = {"camera": seen.camera.name or "unnamed", "scene": scene.name, "triangles": scene.triangles}
+        about = {"camera": seen.camera.name or "unnamed", "scene": scene.name}
+        report |= {"triangles": scene.triangles, "contents": scene.contents}
         return Picture(arrays, report | about)
 
     @_current

@@ -259,10 +259,10 @@ class Scene:
 
     @property
     def contents(self) -> str:
-        """What it is made of, in words."""
-        spheres = sum(one.piece_count * len(one.transforms) for one in self.spheres)
-        told = [f"{self.triangles:,} triangles in {len(self.meshes)} meshes"] if self.meshes else []
-        told += [f"{spheres:,} spheres"] if spheres else []
+        """What is drawn, in words: how many triangles, spheres and volumes, instances counted each."""
+        spheres = sum(thing.piece_count * len(thing.transforms) for thing in self.drawn if isinstance(thing, Spheres))
+        told = [f"{self.triangles:,} triangles"] if self.meshes else []
+        told += [f"{spheres:,} spheres"] if self.spheres else []
         return ", ".join([*told, *(volume.contents for volume in self.volumes)])
 
     def default_radius(self, share: float = RADIUS_SHARE) -> float:

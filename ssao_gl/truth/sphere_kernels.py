@@ -67,73 +67,78 @@ def _clamped(at: float, count: int) -> int:
 
 
 @compiled
+def _inside(o: float, d: float, low: float, high: float, enter: float, leave: float) -> tuple[float, float]:
+    """Return which part of a ray, of ``enter`` to ``leave``, lies between two borders; an empty one where none does."""
+    if d != 0.0:
+        a, b = (low - o) / d, (high - o) / d
+        return max(enter, min(a, b)), min(leave, max(a, b))
+    return (enter, leave) if low <= o <= high else (1.0, -1.0)
+
+
+@compiled
+def _walk(o: float, d: float, enter: float, low: float, cell: float, count: int) -> tuple[int, int, float, float]:
+    """Return the first cell along an axis, its direction, where the ray leaves it, and how far it is from cell to cell."""
+    at, step = _clamped((o + enter * d - low) / cell, count), (1 if d > 0.0 else -1)
+    if d == 0.0:
+        return at, step, math.inf, math.inf
+    return at, step, (low + cell * (at + (step > 0)) - o) / d, cell / abs(d)
+
+
+@compiled
+def _met(spheres: F32, s: int, ox: float, oy: float, oz: float, dx: float, dy: float, dz: float) -> float:
+    """Return where a ray meets a sphere, in lengths of its direction; infinity where it does not."""
+    cx, cy, cz, r = ox - spheres[s, 0], oy - spheres[s, 1], oz - spheres[s, 2], float(spheres[s, 3])
+    length2, half = dx * dx + dy * dy + dz * dz, cx * dx + cy * dy + cz * dz
+    inside = half * half - length2 * (cx * cx + cy * cy + cz * cz - r * r)
+    if not (inside >= 0.0 and r > 0.0 and length2 > 0.0):
+        return math.inf
+    root = math.sqrt(inside)
+    near = (-half - root) / length2
+    return float(near if near > 0.0 else (-half + root) / length2)
+
+
+@compiled
 def first_hits(
-    origins: F32,
-    directions: F32,
-    reach: F32,
+    rays: tuple[F32, F32, F32],
     spheres: F32,
     low: float,
     cell: float,
     shape: tuple[int, int, int],
-    starts: I64,
-    members: NDArray[np.uint32],
+    lists: tuple[I64, NDArray[np.uint32]],
     whole: bool,
     distance: NDArray[np.float64],
     found: I64,
 ) -> None:
-    """Write the distance and the sphere (-1: none) of the first hit of each ray within ``reach``; any hit unless ``whole``."""
-    inf = math.inf
+    """Write the distance and the sphere (-1: none) of the first hit of each ray within its reach; any hit unless ``whole``.
+
+    rays: origins, directions (n, 3), reaches (n,). lists: where each cell's begins, and all of them.
+    """
+    origins, directions, reach = rays
+    starts, members = lists
     for ray in range(len(origins)):
         ox, oy, oz = float(origins[ray, 0]), float(origins[ray, 1]), float(origins[ray, 2])
         dx, dy, dz = float(directions[ray, 0]), float(directions[ray, 1]), float(directions[ray, 2])
         best, which = float(reach[ray]), -1
-        # Where the ray is in the grid's box at all.
-        enter, leave = 0.0, best
-        for axis in range(3):
-            o, d = (ox, dx) if axis == 0 else ((oy, dy) if axis == 1 else (oz, dz))
-            high = low + cell * shape[axis]
-            if d != 0.0:
-                a, b = (low - o) / d, (high - o) / d
-                enter, leave = max(enter, min(a, b)), min(leave, max(a, b))
-            elif o < low or o > high:
-                leave = -1.0
-        length2 = dx * dx + dy * dy + dz * dz
-        if enter <= leave and length2 > 0.0:
-            x = _clamped((ox + enter * dx - low) / cell, shape[0])
-            y = _clamped((oy + enter * dy - low) / cell, shape[1])
-            z = _clamped((oz + enter * dz - low) / cell, shape[2])
-            sx, sy, sz = (1 if dx > 0.0 else -1), (1 if dy > 0.0 else -1), (1 if dz > 0.0 else -1)
-            tx = (low + cell * (x + (sx > 0)) - ox) / dx if dx != 0.0 else inf
-            ty = (low + cell * (y + (sy > 0)) - oy) / dy if dy != 0.0 else inf
-            tz = (low + cell * (z + (sz > 0)) - oz) / dz if dz != 0.0 else inf
-            step_x = cell / abs(dx) if dx != 0.0 else inf
-            step_y = cell / abs(dy) if dy != 0.0 else inf
-            step_z = cell / abs(dz) if dz != 0.0 else inf
-            while True:
-                at = (x * shape[1] + y) * shape[2] + z
-                for k in range(starts[at], starts[at + 1]):
-                    s = members[k]
-                    cx, cy, cz = ox - spheres[s, 0], oy - spheres[s, 1], oz - spheres[s, 2]
-                    r = float(spheres[s, 3])
-                    half = cx * dx + cy * dy + cz * dz
-                    inside = half * half - length2 * (cx * cx + cy * cy + cz * cz - r * r)
-                    if inside >= 0.0 and r > 0.0:
-                        root = math.sqrt(inside)
-                        t = (-half - root) / length2
-                        if t <= 0.0:
-                            t = (-half + root) / length2
-                        if 0.0 < t < best:
-                            best, which = t, int(s)
-                border = min(tx, ty, tz)
-                if border >= min(best, leave) or (which >= 0 and not whole):
-                    break
-                if tx == border:
-                    x, tx = x + sx, tx + step_x
-                elif ty == border:
-                    y, ty = y + sy, ty + step_y
-                else:
-                    z, tz = z + sz, tz + step_z
-                if x < 0 or y < 0 or z < 0 or x >= shape[0] or y >= shape[1] or z >= shape[2]:
-                    break
+        enter, leave = _inside(ox, dx, low, low + cell * shape[0], 0.0, best)
+        enter, leave = _inside(oy, dy, low, low + cell * shape[1], enter, leave)
+        enter, leave = _inside(oz, dz, low, low + cell * shape[2], enter, leave)
+        x, sx, tx, step_x = _walk(ox, dx, enter, low, cell, shape[0])
+        y, sy, ty, step_y = _walk(oy, dy, enter, low, cell, shape[1])
+        z, sz, tz, step_z = _walk(oz, dz, enter, low, cell, shape[2])
+        while enter <= leave and 0 <= x < shape[0] and 0 <= y < shape[1] and 0 <= z < shape[2]:
+            at = (x * shape[1] + y) * shape[2] + z
+            for k in range(starts[at], starts[at + 1]):
+                t = _met(spheres, members[k], ox, oy, oz, dx, dy, dz)
+                if 0.0 < t < best:
+                    best, which = t, int(members[k])
+            border = min(tx, ty, tz)
+            if border >= min(best, leave) or (which >= 0 and not whole):
+                break
+            if tx == border:
+                x, tx = x + sx, tx + step_x
+            elif ty == border:
+                y, ty = y + sy, ty + step_y
+            else:
+                z, tz = z + sz, tz + step_z
         distance[ray] = best
         found[ray] = which

@@ -61,10 +61,9 @@ class SphereBlockers:
 
     def _first(self, origins: F32, directions: F32, reach: F32, *, whole: bool) -> tuple[F64, NDArray[np.int64]]:
         distance, found = np.empty(len(origins)), np.empty(len(origins), np.int64)
-        self._kernels.first_hits(
-            np.ascontiguousarray(origins, np.float32), np.ascontiguousarray(directions, np.float32), reach,
-            self._spheres, self._low, self._cell, self._shape, self._starts, self._members, whole, distance, found,
-        )  # fmt: skip
+        rays = (np.ascontiguousarray(origins, np.float32), np.ascontiguousarray(directions, np.float32), reach)
+        lists = (self._starts, self._members)
+        self._kernels.first_hits(rays, self._spheres, self._low, self._cell, self._shape, lists, whole, distance, found)
         return distance, found
 
     def occluded(self, origins: F32, directions: F32, reach: float) -> NDArray[np.bool_]:
