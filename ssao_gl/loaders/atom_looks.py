@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError, near_miss
-from .atoms import Atoms, Words
+from .atoms import Atoms, Words, gemmi_module
 
 RADII: Mapping[bytes, float] = {b"H": 1.10, b"D": 1.10, b"C": 1.70, b"N": 1.55, b"O": 1.52, b"S": 1.80, b"P": 1.80}
 """Van der Waals radii, angstroms (Bondi 1964; hydrogen by Rowland & Taylor 1996); others are gemmi's."""
@@ -29,12 +29,11 @@ GROUPS = (
 """Colours for groups of atoms, in the order in which a file names them (Brewer's Set2 and Set3)."""
 
 
-def atom_radii(atoms: Atoms) -> NDArray[np.float32]:
-    """Return van der Waals radii (n,), angstroms."""
-    import gemmi
-
-    kinds, which = np.unique(atoms.elements, return_inverse=True)
-    radii = [RADII.get(kind) or _published(gemmi.Element(kind.decode("ascii", "replace"))) for kind in kinds]
+def element_radii(elements: Words) -> NDArray[np.float32]:
+    """Return van der Waals radii (n,), angstroms, of elements in upper case. Raises SceneError without gemmi."""
+    element = gemmi_module().Element
+    kinds, which = np.unique(elements, return_inverse=True)
+    radii = [RADII.get(kind) or _published(element(kind.decode("ascii", "replace"))) for kind in kinds]
     return np.array(radii, np.float32)[which]
 
 
@@ -48,14 +47,19 @@ def atom_colors(atoms: Atoms, by: str) -> NDArray[np.uint8]:
     if by not in COLORS_BY:
         raise SceneError(f"cannot colour by '{by}'; must be {', '.join(COLORS_BY)}.{near_miss(by, COLORS_BY)}")
     if by == "element":
-        kinds, which = np.unique(atoms.elements, return_inverse=True)
-        return _rgba([ELEMENTS.get(kind, OTHER) for kind in kinds])[which]
+        return element_colors(atoms.elements)
     groups: Words = {"chain": atoms.chains, "asym": atoms.asyms, "entity": atoms.entities}[by]
     if not (groups != b"").any():
         raise SceneError(f"names no {by} to colour by; take {' or '.join(one for one in COLORS_BY if one != by)}")
     _, first, which = np.unique(groups, return_index=True, return_inverse=True)
     rank = np.argsort(np.argsort(first))
     return _rgba(GROUPS)[rank[which] % len(GROUPS)]
+
+
+def element_colors(elements: Words) -> NDArray[np.uint8]:
+    """Return sRGB colours (n, 4) of elements in upper case."""
+    kinds, which = np.unique(elements, return_inverse=True)
+    return _rgba([ELEMENTS.get(kind, OTHER) for kind in kinds])[which]
 
 
 def _rgba(codes: list[int] | tuple[int, ...]) -> NDArray[np.uint8]:

@@ -47,9 +47,7 @@ class Atoms:
 
 def atoms_of(structure: Any) -> Atoms:
     """Return the atoms of a structure of gemmi."""
-    import gemmi
-
-    flat = gemmi.FlatStructure(structure)
+    flat = gemmi_module().FlatStructure(structure)
     chains, residues, names = (_words(getattr(flat, name)) for name in ("chain_ids", "residue_names", "atom_names"))
     spots: Any = np.rec.fromarrays([flat.model_num, chains, flat.resnums, flat.icodes, names])
     places = np.unique(spots, return_inverse=True)[1]
@@ -58,6 +56,15 @@ def atoms_of(structure: Any) -> Atoms:
         _words(flat.subchains), _words(flat.entity_ids), residues, np.asarray(flat.altlocs), np.asarray(flat.occ),
         np.asarray(places).ravel(), np.asarray(flat.model_num),
     )  # fmt: skip
+
+
+def gemmi_module() -> Any:
+    """Return gemmi. Raises SceneError without it."""
+    try:
+        import gemmi
+    except ImportError:
+        raise SceneError("reading molecules needs the package gemmi: pip install 'ssao_gl[molecules]'") from None
+    return gemmi
 
 
 def _words(characters: Any) -> Words:

@@ -19,6 +19,7 @@ from .molecules import molecule_kind, read_molecule
 from .notes import Notes
 from .read_options import MoleculeOptions, ReadOptions
 from .up_axis import up_direction
+from .xyz_spheres import read_xyz_spheres
 
 LARGE = 10**5
 """Triangles from which memory is given back at once."""
@@ -69,8 +70,12 @@ def load_scene(
 
 
 def _read(path: Path, up: str, options: ReadOptions, notes: Notes) -> Scene:
-    if kind := molecule_kind(path.name):
-        spheres = read_molecule(path, kind, options.molecule, notes)
+    kind, spheres = molecule_kind(path.name), []
+    if kind is not None:
+        spheres = [*read_molecule(path, kind, options.molecule, notes)]
+    elif path.suffix.lower() == ".xyz" and (found := read_xyz_spheres(path, options.molecule)):
+        kind, spheres = "xyz", [found]
+    if kind is not None:
         return finished(Scene((), up=up_direction(up, kind), name=encodable(path.name), spheres=spheres), notes)
     from . import mesh_files
 

@@ -14,10 +14,11 @@ from ..errors import SceneError, near_miss
 from ..scene.spheres import Spheres
 from .archives import unpack
 from .assemblies import Copies, copies_in_cif, copies_in_pdb
-from .atom_looks import atom_colors, atom_radii
-from .atoms import Atoms, atoms_of, chosen_atoms
+from .atom_looks import atom_colors, element_radii
+from .atoms import Atoms, atoms_of, chosen_atoms, gemmi_module
 from .header_checks import check_signature
 from .notes import Notes
+from .pdb_lines import with_coordinates
 from .read_options import MoleculeOptions
 
 PDB, CIF = ("pdb", "ent"), ("cif", "mmcif")
@@ -40,13 +41,13 @@ def read_molecule(path: Path, kind: str, options: MoleculeOptions, notes: Notes)
     if path.name.lower().endswith(".gz"):
         with path.open("rb") as file:
             data = next(iter(unpack(file, "gz", len(data), path.name).values()))
-    structure, assemblies, has_asym = _parsed(data)
+    structure, assemblies, has_asym = _parsed(data, notes)
     atoms = chosen_atoms(atoms_of(structure), options, notes)
     if options.color in ("asym", "entity") and not has_asym:
         raise SceneError(
             f"PDB files have no {options.color} ids to colour by; take 'chain' or 'element', or the entry as mmCIF"
         )
-    radii = atom_radii(atoms) * np.float32(options.radius_scale)
+    radii = element_radii(atoms.elements) * np.float32(options.radius_scale)
     colors = atom_colors(atoms, options.color)
     if options.assembly is None:
         return [_spheres(atoms, radii, colors, slice(None), np.eye(4)[None], "")]
@@ -64,12 +65,12 @@ def read_molecule(path: Path, kind: str, options: MoleculeOptions, notes: Notes)
     return made
 
 
-def _parsed(data: bytes) -> tuple[Any, Callable[[], dict[str, list[Copies]]], bool]:
+def _parsed(data: bytes, notes: Notes) -> tuple[Any, Callable[[], dict[str, list[Copies]]], bool]:
     """Return a structure of gemmi, what reads its assemblies, and whether it has asym ids. The content tells the format."""
-    gemmi = _gemmi()
+    gemmi = gemmi_module()
     try:
         if not _is_cif(data):
-            structure = gemmi.read_pdb_string(data)
+            structure = gemmi.read_pdb_string(with_coordinates(data, notes))
             return structure, partial(copies_in_pdb, structure), False
         document = gemmi.cif.read_string(data)
         for block in document:
@@ -112,11 +113,3 @@ def _spheres(
 
 def _count(atoms: Atoms, parts: Sequence[Copies]) -> int:
     return sum(int(np.isin(part.labels(atoms), part.chains).sum()) * part.count for part in parts)
-
-
-def _gemmi() -> Any:
-    try:
-        import gemmi
-    except ImportError:
-        raise SceneError("reading molecules needs the package gemmi: pip install 'ssao_gl[molecules]'") from None
-    return gemmi
