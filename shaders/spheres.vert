@@ -5,9 +5,9 @@
 uniform mat4 u_view;
 uniform mat4 u_projection;
 uniform vec4 u_eye;    // view space: the point where all rays meet and 1; of a parallel projection its direction and 0
-uniform float u_pixel;  // side of a pixel, scene units per unit of clip w
-uniform int u_count;   // spheres of an instance
-uniform int u_columns;  // of the textures
+uniform float u_pixel; // side of a pixel, scene units per unit of clip w
+uniform vec2 u_w;      // w of the camera's own projection = u_w.x z + u_w.y
+uniform int u_columns; // of the textures
 uniform highp sampler2D u_spheres;  // centre and radius
 #ifdef COLOR
 uniform vec4 u_color;  // sRGB
@@ -56,7 +56,7 @@ void main() {
         vec3 view = normalize(away);
         vec3 x = normalize(abs(view.y) < 0.9 ? vec3(-view.z, 0.0, view.x) : vec3(0.0, view.z, -view.y));
         vec3 y = cross(view, x);
-        float reach = radius * sqrt(1.0 - share) + MARGIN * u_pixel * abs(middle.w);
+        float reach = radius * sqrt(1.0 - share) + MARGIN * u_pixel * abs(u_w.y - u_w.x * center.z);
         vec3 nearer = center - share * (scale * away) * u_eye.w;
         vec2 of_circle = corner == 0 ? vec2(-1.7320508, -1.0) : corner == 1 ? vec2(1.7320508, -1.0) : vec2(0.0, 2.0);
         gl_Position = u_projection * vec4(nearer + reach * (of_circle.x * x + of_circle.y * y), 1.0);

@@ -4,7 +4,7 @@
 
 #ifdef BEHIND
 uniform sampler2D u_front;  // linear depth of the first layer
-uniform vec2 u_texel;
+uniform vec2 u_front_texel;
 #endif
 #ifdef LOG_DEPTH
 uniform vec2 u_log;  // 1 / near, 1 / log2(far / near)
@@ -26,7 +26,7 @@ layout(location = COLOR) out vec4 out_color;
 
 #ifdef BEHIND
 // Depth peeling (Everitt 2001): only what lies behind the first layer by more than its own rounding is seen.
-bool ssao_hidden(float z) { return z <= SAMPLE(u_front, gl_FragCoord.xy * u_texel).r * (1.0 + 1e-5); }
+bool ssao_hidden(float z) { return z <= SAMPLE(u_front, gl_FragCoord.xy * u_front_texel).r * (1.0 + 1e-5); }
 #endif
 
 void ssao_write_depth(float z) {

@@ -89,7 +89,7 @@ class SphereBuffers:
             program = self._resources.program(*seen.draw.shaders["spheres"], {**_defines(placed, seen), **seen.defines})
             program.set({name: value for name, value in shared.items() if name in program.declared})
             self._resources.bind(unit, placed.data)
-            program.set({"u_spheres": unit, "u_count": len(placed.spheres.centers), "u_columns": COLUMNS})
+            program.set({"u_spheres": unit, "u_columns": COLUMNS})
             if "COLOR" in seen.target_defines:
                 program.set({"u_color": (*placed.spheres.color, 1.0)})
                 if placed.colors is not None:

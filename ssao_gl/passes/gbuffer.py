@@ -34,6 +34,6 @@ def gbuffer(background: Sequence[float], *, geometric: bool) -> Pass:
 
 def layer_behind() -> Pass:
     """Draw the linear depth of the surface behind the first at every pixel, 0 where there is none."""
-    uniforms = {"u_texel": ViewValue("image_texel")}
+    uniforms = {"u_front_texel": ViewValue("image_texel")}
     draw = DrawScene(SHADERS, {DEPTH_LAYER_2: NOTHING}, {"u_front": DEPTH}, uniforms, {"BEHIND": 1})
     return Pass("layer behind", "layer", draw, {DEPTH_LAYER_2: Texture("r32f")}, depth=LAYER_2_MASK)

@@ -1,7 +1,7 @@
 """Rays through a grid of spheres, compiled by numba. Importing this needs the package numba.
 
 The walk is that of Amanatides & Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing" (1987). A sphere is in the list of
-every cell that its box meets; it is hollow, so that a ray from within meets its inside, as with meshes.
+every cell that its box meets; it is hollow, so that a ray from within meets its inside, as with meshes. All in 64-bit: numba's float() keeps 32.
 """
 
 from __future__ import annotations
@@ -87,7 +87,8 @@ def _walk(o: float, d: float, enter: float, low: float, cell: float, count: int)
 @compiled
 def _met(spheres: F32, s: int, ox: float, oy: float, oz: float, dx: float, dy: float, dz: float) -> float:
     """Return where a ray meets a sphere, in lengths of its direction; infinity where it does not."""
-    cx, cy, cz, r = ox - spheres[s, 0], oy - spheres[s, 1], oz - spheres[s, 2], float(spheres[s, 3])
+    cx, cy, cz = ox - np.float64(spheres[s, 0]), oy - np.float64(spheres[s, 1]), oz - np.float64(spheres[s, 2])
+    r = np.float64(spheres[s, 3])
     length2, half = dx * dx + dy * dy + dz * dz, cx * dx + cy * dy + cz * dz
     inside = half * half - length2 * (cx * cx + cy * cy + cz * cz - r * r)
     if not (inside >= 0.0 and r > 0.0 and length2 > 0.0):
@@ -116,9 +117,10 @@ def first_hits(
     origins, directions, reach = rays
     starts, members = lists
     for ray in range(len(origins)):
-        ox, oy, oz = float(origins[ray, 0]), float(origins[ray, 1]), float(origins[ray, 2])
-        dx, dy, dz = float(directions[ray, 0]), float(directions[ray, 1]), float(directions[ray, 2])
-        best, which = float(reach[ray]), -1
+        ox, oy, oz = np.float64(origins[ray, 0]), np.float64(origins[ray, 1]), np.float64(origins[ray, 2])
+        dx, dy, dz = np.float64(directions[ray, 0]), np.float64(directions[ray, 1]), np.float64(directions[ray, 2])
+        best: float = np.float64(reach[ray])
+        which = -1
         enter, leave = _inside(ox, dx, low, low + cell * shape[0], 0.0, best)
         enter, leave = _inside(oy, dy, low, low + cell * shape[1], enter, leave)
         enter, leave = _inside(oz, dz, low, low + cell * shape[2], enter, leave)

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 import trimesh
 
 import ssao_gl as ao
+from ssao_gl.gl.executor import FrameExecutor, SceneView
+from ssao_gl.gl.programs import GpuResources
+from ssao_gl.gl.scene_buffers import SceneBuffers
+from ssao_gl.graph.frame_graph import compile
+from ssao_gl.graph.names import DEPTH_LAYER_2
+from ssao_gl.passes.gbuffer import gbuffer, layer_behind
 from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.lens import CropLens
 from ssao_gl.scene.model import Scene
@@ -98,7 +106,7 @@ def test_a_sphere_far_away_is_as_round_as_a_near_one(renderer: ao.Renderer) -> N
     picture = renderer.render(scene, camera, SIZE, aovs=("normal", "depth"), checked=True)
     _, normal = expected([(np.zeros(3), 1.0)], camera)
     both = (picture.depth > 0) & (normal[..., 2] > 0.1)
-    assert both.mean() > 0.3 and np.abs(picture.normal - normal)[both].max() < 5e-3
+    assert both.mean() > 0.2 and np.abs(picture.normal - normal)[both].max() < 5e-3
 
 
 def test_copies_are_drawn_as_if_written_out(renderer: ao.Renderer) -> None:
@@ -115,7 +123,7 @@ def test_order_and_colors(renderer: ao.Renderer) -> None:
         scene = Scene(spheres=[Spheres(np.array(centers), np.array([0.5, 0.5]), colors)])
         picture = renderer.render(scene, camera, SIZE, aovs=("color", "depth"))
         assert picture.color[48, 64].argmax() == centers.index(near)
-        assert picture.depth[48, 64] == pytest.approx(4.5, rel=1e-4)
+        assert picture.depth[48, 64] == pytest.approx(4.5, rel=1e-3)
 
 
 def test_meshes_and_spheres_hide_each_other(renderer: ao.Renderer) -> None:
@@ -128,28 +136,23 @@ def test_meshes_and_spheres_hide_each_other(renderer: ao.Renderer) -> None:
     np.testing.assert_allclose(depth, np.where(ball > 0, np.minimum(ball, 6), 6), rtol=1e-3)
 
 
-def test_the_surface_behind_is_the_sphere_s_own_back(renderer: ao.Renderer) -> None:
-    """With two layers a hole between plates shows; here: the second layer makes a difference, and nothing is undefined."""
-    scene = Scene(spheres=[Spheres(CENTERS, RADII)])
-    one, two = (
-        renderer.render(
-            scene,
-            CAMERAS["perspective"],
-            SIZE,
-            method=None,
-            settings=ao.Settings(method=ao.Bitmask(radius=0.5, layers=k)),
-            aovs="visibility",
-        ).visibility
-        for k in (1, 2)
-    )  # type: ignore[call-arg]
-    assert np.isfinite(two).all() and (two != one).any()
+def test_the_surface_behind_is_the_back_of_the_sphere(provider: str) -> None:
+    """Before what lies behind the sphere."""
+    scene = Scene(spheres=[Spheres(np.array([[0, 0, 0], [0, 0, -3]]), np.array([1, 1]))])
+    camera = Camera.perspective(0.7, 0.1, 40, look_at((0, 0, 6), (0, 0, 0)))
+    plan = compile([gbuffer((1.0, 1, 1), geometric=True), layer_behind()], SIZE, [DEPTH_LAYER_2])
+    with ao.gl.open(provider) as ctx:
+        resources = GpuResources(ctx)
+        buffers, executor = SceneBuffers(resources, scene), FrameExecutor(resources, plan)
+        behind = executor.run(camera.view(SIZE), scene=SceneView(buffers, camera), checked=True).read(DEPTH_LAYER_2)[::-1, :, 0]
+        for made in (executor, buffers, resources):
+            made.release()
+    assert behind[48, 64] == pytest.approx(7, rel=1e-3) and behind[0, 0] == 0
 
 
 def test_a_part_of_an_image_is_that_part(renderer: ao.Renderer) -> None:
     camera = CAMERAS["perspective"]
     whole = renderer.render(Scene(spheres=[Spheres(CENTERS, RADII)]), camera, SIZE, aovs="depth").depth
-    import dataclasses
-
     part = dataclasses.replace(camera, lens=CropLens(camera.lens, SIZE, (32, 24)))
     seen = renderer.render(Scene(spheres=[Spheres(CENTERS, RADII)]), part, (64, 48), aovs="depth").depth
     np.testing.assert_allclose(seen, whole[24:72, 32:96], rtol=1e-5, atol=1e-5)
