@@ -52,9 +52,8 @@ def coincident(lab: CaseRunner) -> float:
 def without_size(lab: CaseRunner) -> float:
     """Spheres of radius 0 are not seen and block nothing."""
     heap = _heap()
-    more = dataclasses.replace(
-        heap, centers=np.concatenate([heap.centers, heap.centers + np.float32(0.5)]), radii=np.append(heap.radii, np.zeros(30))
-    )
+    between = (heap.centers + np.roll(heap.centers, 1, 0)) / 2
+    more = dataclasses.replace(heap, centers=np.concatenate([heap.centers, between]), radii=np.append(heap.radii, np.zeros(30)))
     a, b = (lab.render(_scene(one), lens()).visibility for one in (heap, more))
     return float((a != b).mean())
 
