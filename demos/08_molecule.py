@@ -1,4 +1,4 @@
-"""Molecule: draw a PDB or mmCIF file, or spheres from arrays, with and without ambient occlusion."""
+"""Molecule: draw a PDB or mmCIF file, or spheres from arrays, with ambient occlusion."""
 
 import argparse
 from pathlib import Path
@@ -31,7 +31,7 @@ def main(folder: Path, size: tuple[int, int], file: Path | None, assembly: str |
             scene, size=size, settings=ao.Settings(method=ao.Bitmask(radius=radius)), aovs=("image", "color")
         )
     picture.save(folder / "08_molecule.png", aov="image")
-    picture.save(folder / "08_without.png", aov="color")
+    picture.save(folder / "08_visibility.png", aov="visibility")
 
 
 if __name__ == "__main__":
