@@ -28,7 +28,7 @@ def main(folder: Path, size: tuple[int, int], file: Path | None, assembly: str |
     radius = scene.default_radius(0.08)
     with ao.Renderer() as renderer:
         picture = renderer.render(
-            scene, size=size, settings=ao.Settings(method=ao.Bitmask(radius=radius)), aovs=("image", "color")
+            scene, size=size, settings=ao.Settings(method=ao.Bitmask(radius=radius)), aovs=("image", "visibility")
         )
     picture.save(folder / "08_molecule.png", aov="image")
     picture.save(folder / "08_visibility.png", aov="visibility")

@@ -120,8 +120,7 @@ class Renderer:
         report = frame_report(self.ctx, made.settings, size, frame, time.perf_counter() - started)
         report |= time_passes(frame, timed, made.view, scene=seen, region=made.region)
         about = {"camera": seen.camera.name or "unnamed", "scene": scene.name}
-        report |= {"triangles": scene.triangles, "contents": scene.contents}
-        return Picture(arrays, report | about)
+        return Picture(arrays, {**report, **about, "triangles": scene.triangles, "contents": scene.contents})
 
     @_current
     def time(

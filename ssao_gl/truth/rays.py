@@ -17,8 +17,8 @@ from ..errors import SceneError
 from ..scene.model import Mesh, Scene
 from ..scene.spheres import Spheres
 from .blockers import F32, F64, Blockers, Hits
-from .spheres import SphereBlockers
-from .triangles import TriangleBlockers
+from .spheres import SPHERE_BYTES, SphereBlockers
+from .triangles import TRIANGLE_BYTES, TriangleBlockers
 
 KINDS: Mapping[type, Callable[[Sequence[tuple[Any, F64]], str], Blockers]] = {
     Mesh: TriangleBlockers,
@@ -63,6 +63,12 @@ class RayScene:
     def hits(self, origins: F32, directions: F32, reach: F32) -> Hits:
         """Return the first hits of rays (n, 3) within ``reach`` (n,)."""
         return _nearest([blockers.hits(origins, directions, reach) for blockers in self._blockers])
+
+
+def tree_bytes(scene: Scene) -> int:
+    """Return the memory that a scene's blockers take, as far as it is known beforehand."""
+    spheres = sum(thing.piece_count * len(thing.transforms) for thing in scene.drawn if isinstance(thing, Spheres))
+    return scene.triangles * TRIANGLE_BYTES + spheres * SPHERE_BYTES
 
 
 def _nearest(every: Sequence[Hits]) -> Hits:

@@ -16,7 +16,8 @@ from ..sampling.hemisphere import frames
 from ..sampling.scatter import RayLayer, ray_layers
 from ..scene.camera import Camera
 from ..scene.projection import Size, ViewConstants
-from .rays import DIAMETER, OFFSET, RayScene, threads
+from .blockers import DIAMETER, OFFSET, threads
+from .rays import RayScene
 from .settings import Tracing
 from .sums import blocks
 from .trace import local_radius
