@@ -5,6 +5,7 @@ from .errors import ContextError, FormatError, GraphError, InputWarning, SceneEr
 from .io.srgb import multiply
 from .loaders.as_scene import as_scene
 from .loaders.load import load_scene
+from .loaders.read_options import MoleculeOptions
 from .methods.alchemy import Alchemy
 from .methods.bitmask import Bitmask
 from .methods.lecture import Lecture
@@ -21,6 +22,8 @@ from .scene.camera import Camera
 from .scene.depth_image import DepthImage
 from .scene.model import Mesh, Scene
 from .scene.pose import look_at
+from .scene.spheres import Spheres
+from .scene.volume import Volume
 
 __version__: str
 
@@ -43,6 +46,7 @@ __all__ = [
     "Lecture",
     "LectureBlur",
     "Mesh",
+    "MoleculeOptions",
     "OcclusionTexture",
     "Picture",
     "Renderer",
@@ -54,9 +58,11 @@ __all__ = [
     "SettingsError",
     "ShaderError",
     "Shading",
+    "Spheres",
     "SsaoError",
     "Target",
     "Vertices",
+    "Volume",
     "apply",
     "as_scene",
     "bake",

@@ -110,8 +110,8 @@ void ssao_texel(
     vec2 tap = w.at + offset;
     ssao_hide(w, offset, SAMPLE(u_z, tap * u_texel).r * u_per_radius, side, thickness, ahead, last.xy, hidden);
 #ifdef SECOND_LAYER
-    // A texel that stands for several pixels shows what lies behind its own middle.
-    vec2 middle = (floor(tap / u_behind_scale) + 0.5) * u_behind_scale;
+    // A texel that stands for several pixels shows what lies behind the one in its middle.
+    vec2 middle = floor(tap / u_behind_scale) * u_behind_scale + (floor(0.5 * u_behind_scale) + 0.5);
     float z = SAMPLE(u_z2, middle * u_behind_texel).r * u_per_radius;
     ssao_hide(w, middle - w.at, z, side, thickness, ahead, last.zw, hidden);
 #endif

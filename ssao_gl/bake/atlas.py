@@ -95,7 +95,7 @@ def _packing(library: Any, size: int, padding: int) -> Any:
 def _add(atlas: Any, facets: Facets, primitive: Primitive) -> None:
     faces = primitive.faces
     positions = np.zeros((primitive.vertices, 3), np.float32)
-    corners, _ = facets.rays.corners(primitive.parts[0], np.arange(len(faces), dtype=np.int32))
+    corners, _ = facets.rays.triangles.corners(primitive.parts[0], np.arange(len(faces), dtype=np.int32))
     positions[faces.ravel()] = corners.reshape(-1, 3)
     try:
         atlas.add_mesh(positions, faces.astype(np.uint32))

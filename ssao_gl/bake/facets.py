@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.model import Mesh
-from ..truth.rays import OFFSET, RayScene, cofactors
+from ..truth.blockers import OFFSET
+from ..truth.rays import RayScene
+from ..truth.triangles import cofactors
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -26,7 +28,7 @@ class Facets:
 
     def __init__(self, rays: RayScene) -> None:
         self.rays = rays
-        self._turned = {id(mesh): _turned(mesh) for mesh in rays.scene.drawn}
+        self._turned = {id(mesh): _turned(mesh) for mesh in rays.scene.meshes}
         self._normal_matrices: dict[int, F64] = {}
 
     def starts(self, parts: I64, triangles: I64, u: F64, v: F64, side: float) -> tuple[F32, F32]:
@@ -47,7 +49,7 @@ class Facets:
 
     def _on_part(self, part: int, triangles: I64, u: F64, v: F64, side: float) -> tuple[F64, F64]:
         """Points (3, n) and normals (3, n), not normalised. Rows are x, y and z, which numpy goes through at full speed."""
-        mesh, matrix = self.rays.placed(part)
+        mesh, matrix = self.rays.triangles.placed(part)
         corners = mesh.triangles.take(triangles, 0)
         a, b, c = (np.ascontiguousarray(mesh.positions.take(corners[:, k], 0).T, np.float64) for k in range(3))
         b -= a
@@ -64,7 +66,7 @@ class Facets:
         """(3, 3) that turns normals of a part outwards, also those of a mirror image. Made once: threads would make the same."""
         found = self._normal_matrices.get(part)
         if found is None:
-            matrix = self.rays.placed(part)[1][:, :3]
+            matrix = self.rays.triangles.placed(part)[1][:, :3]
             found = self._normal_matrices[part] = cofactors(matrix) * (-1 if np.linalg.det(matrix) < 0 else 1)
         return found
 
@@ -73,7 +75,7 @@ class Facets:
         found = np.zeros(count)
         for start in range(0, count, CHUNK):
             which = np.arange(start, min(start + CHUNK, count), dtype=np.int32)
-            corners, _ = self.rays.corners(part, which)
+            corners, _ = self.rays.triangles.corners(part, which)
             found[which] = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
         return np.nan_to_num(found)
 

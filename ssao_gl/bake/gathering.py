@@ -81,7 +81,7 @@ def _one_side(
 def _key(scene: Scene, places: BakePlaces, settings: Baking) -> str:
     """Return the hash of all that decides the numbers."""
     digest = hashlib.sha256(json.dumps([VERSION, as_table(settings)], sort_keys=True).encode())
-    for mesh in scene.drawn:
+    for mesh in scene.meshes:
         add_mesh(digest, mesh, normals=True, colors=False)
     add_arrays(digest, places.content())
     return digest.hexdigest()[:32]

@@ -70,7 +70,7 @@ def open_source(source: Any, options: ReadOptions, *, per_instance: bool = False
         document = writer.document(beside)
         document.notes = notes
         primitives, meshes = read_primitives(document, options)
-        made = finished(meshes, (), (0.0, 1.0, 0.0), encodable(name), notes)
+        made = finished(Scene(meshes, name=encodable(name)), notes)
     if kept:  # of others it is said by now
         notes.say(path)
     rays = RayScene(made)

@@ -56,7 +56,7 @@ def bench(
     lecture = passes["lecture (4 taps)"][0]
     bare = passes["G-buffer"][0]
     print_table(
-        f"{loaded.name} {camera.name}, {loaded.triangles:,} triangles, {size[0]}x{size[1]}, {where}, medians of {rounds} rounds",
+        f"{loaded.name} {camera.name}, {loaded.contents}, {size[0]}x{size[1]}, {where}, medians of {rounds} rounds",
         ("pass", "wall ms", "cpu ms", "x lecture", "x G-buffer"),
         [
             (name, f"{wall:.1f}", f"{cpu:.1f}", f"{wall / lecture:.2f}", f"{wall / bare:.2f}")

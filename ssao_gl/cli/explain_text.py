@@ -14,6 +14,7 @@ from ..pipeline.frame_setup import FrameSetup
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..tiling.layout import Layout
+from ..truth.rays import tree_bytes
 from .output import print_table, say
 
 MIB = 2.0**20
@@ -63,8 +64,10 @@ class Explained:
         """Print it all."""
         scene, method = self.scene, self.made.settings.method
         say(
-            f"{scene.name}: {scene.triangles:,} triangles in {len(scene.meshes)} meshes, camera {self.camera.name or 'automatic'}"
+            f"{scene.name}: {scene.contents}{f' in {len(scene.meshes)} meshes' if scene.meshes else ''}, camera {self.camera.name or 'automatic'}"
         )
+        if scene.spheres:
+            say(_stored(scene))
         say(f"{method.name}: " + ", ".join(f"{f.name} {getattr(method, f.name)}" for f in dataclasses.fields(method)))  # type: ignore[arg-type]
         if self.cut:
             w, h = self.cut.size
@@ -81,6 +84,14 @@ class Explained:
         if self.savings:
             title = f"Rules on and off: {self.where}, all passes after the G-buffer, medians of {rounds} rounds"
             print_table(title, COLUMNS, [one.cells() for one in self.savings])
+
+
+def _stored(scene: Scene) -> str:
+    """Return how the spheres of a scene are kept, and what rays through all of them would take."""
+    stored, copies = sum(len(one.centers) for one in scene.spheres), sum(len(one.transforms) for one in scene.spheres)
+    size = sum(20 * len(one.centers) + 64 * len(one.transforms) for one in scene.spheres)
+    told = f"spheres: {stored:,} in {copies:,} places, {size / MIB:.1f} MiB on the GPU"
+    return f"{told}; rays would take about {tree_bytes(scene) / MIB:,.0f} MiB"
 
 
 def _drawn(made: FrameSetup) -> list[str]:

@@ -58,10 +58,7 @@ Examples:
 
 ssao-gl COMMAND -h shows the options of a command."""
 
-OF_METHODS = (
-    "All settings of a method, with ranges and defaults, for --set and TOML files: ssao-gl methods NAME, as in"
-    " ssao-gl methods alchemy."
-)
+OF_METHODS = "Settings of a method, for --set and TOML: ssao-gl methods NAME, as alchemy."
 
 
 def _folded(console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:

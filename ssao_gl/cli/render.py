@@ -111,7 +111,7 @@ def render(
     Parameters
     ----------
     scene
-        GLB, glTF, OBJ, PLY, STL, OFF or another format of trimesh. Without it: the embedded scene.
+        GLB, glTF, OBJ, PLY, STL, OFF, PDB, mmCIF or another format. Without it: the embedded scene.
     """
     settings, target = to.with_background(look.settings()), goal.target(look)
     size, aovs = view.pixels(), to.aovs()

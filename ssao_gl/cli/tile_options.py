@@ -54,7 +54,7 @@ def rendered_line(output: Path, paths: Sequence[Path], report: Mapping[str, Any]
         pieces += f" ({tiles['from_before']} from before)"
     rays = f", {settings['rays']:g} rays a pixel" if "rays" in settings else ""
     return (
-        f"{where}: {report['scene']}, {report['triangles']:,} triangles, {report['size'][0]}x{report['size'][1]}{pieces},"
+        f"{where}: {report['scene']}, {report['contents']}, {report['size'][0]}x{report['size'][1]}{pieces},"
         f" {settings['method']} radius {settings[settings['method']]['radius']:.4g}, blur {settings['blur']}{rays}, {report['provider']}"
         f" ({report['renderer']}), {f'{1e3 * seconds:.0f} ms' if seconds < 100 else f'{seconds:.0f} s'}"
     )

@@ -163,7 +163,7 @@ def _summary(scene: Scene, found: Truth) -> str:
     h, w = found.visibility.shape
     speed = f"{found.rays / 1e6:.1f} million rays in {found.seconds:.1f} s" + (", from the cache" if found.cached else "")
     return (
-        f"{scene.name}, {scene.triangles:,} triangles, {w}x{h}, {found.tracing.falloff} radius {found.tracing.radius:.4g},"
+        f"{scene.name}, {scene.contents}, {w}x{h}, {found.tracing.falloff} radius {found.tracing.radius:.4g},"
         f" {found.spp} rays a pixel, standard error {found.noise:.2g}, {speed}"
     )
 

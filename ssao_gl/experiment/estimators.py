@@ -18,7 +18,7 @@ from ..gl.timer import PassTime
 from ..passes.denoise import Joint
 from ..pipeline.settings import Settings
 from ..truth import Surface, Tracing, gather
-from ..truth.rays import TRIANGLE_BYTES
+from ..truth.rays import tree_bytes
 from .view_setup import ViewSetup
 
 F32 = NDArray[np.float32]
@@ -160,7 +160,7 @@ class Rays:
     def prepare(self, setup: ViewSetup) -> Prepared:
         """Return it with the scene's tree and the primary rays, which stand for the G-buffer."""
         surface = setup.surface
-        size = setup.scene.triangles * TRIANGLE_BYTES
+        size = tree_bytes(setup.scene)
         size += sum(array.nbytes for array in (surface.origins, surface.normals, surface.shading, surface.depth))
         truth = setup.tracing
         tracing = Tracing(radius=setup.radius, falloff=truth.falloff, normals=truth.normals, spp=self.spp, seed=1)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ContextError, SsaoError
-from ..truth.rays import threads
+from ..truth.blockers import threads
 from .estimators import Estimator, Prepared
 from .timing import interleaved, summary
 from .variants import BASELINE

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..errors import SettingsError, near_miss
 from ..pipeline.presets import as_rays
-from ..truth.rays import TRIANGLE_BYTES
+from ..truth.rays import tree_bytes
 from .estimators import Drawn, Preparation, Prepared, ScreenSpace
 from .view_setup import ViewSetup
 
@@ -48,7 +48,7 @@ class ResidualRays:
         """Return it ready for a view: with the scene's tree. The G-buffer is each frame's own."""
         settings = setup.settled(dataclasses.replace(self.base.settings, rays=self.share))
         setup.time(settings)
-        return Drawn(setup, settings, Preparation(setup.tree_ms, setup.scene.triangles * TRIANGLE_BYTES))
+        return Drawn(setup, settings, Preparation(setup.tree_ms, tree_bytes(setup.scene)))
 
 
 def residual_rays_upon(methods: Sequence[ScreenSpace], asked: Iterable[str]) -> list[ResidualRays]:

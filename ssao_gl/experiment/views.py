@@ -9,8 +9,9 @@ from pathlib import Path
 
 from ..errors import SceneError, SettingsError, encodable, near_miss
 from ..io.images import SUFFIXES
-from ..loaders.camera_files import load_cameras
+from ..loaders.camera_files import file_assembly, load_cameras
 from ..loaders.load import load_scene
+from ..loaders.read_options import MoleculeOptions
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
@@ -30,8 +31,9 @@ class MeasuredView:
     camera: Camera
     size: Size
     triangles: int
+    """Spheres and volumes counted like them."""
     content: str
-    """Hash of the scene's triangles, the camera and the size."""
+    """Hash of the scene, the camera and the size."""
 
     @property
     def name(self) -> str:
@@ -40,11 +42,11 @@ class MeasuredView:
 
 
 def load_view_scene(path: Path | None) -> Scene:
-    """Load a scene file, or the embedded scene. Raises SceneError."""
+    """Load a scene file, a molecule in the assembly that its camera file names; or the embedded scene. Raises SceneError."""
     if path is not None and path.suffix.lower() in SUFFIXES:
-        raise SceneError(f"{path}: a picture or depth array; a report traces rays, and needs a scene with triangles")
+        raise SceneError(f"{path}: a picture or depth array; a report traces rays, and needs a scene")
     if path is not None:
-        return load_scene(path)
+        return load_scene(path, molecule=MoleculeOptions(assembly=file_assembly(_beside(path))))
     from ..scene.sample_scene import default_scene
 
     return default_scene()
@@ -64,9 +66,7 @@ def views(paths: Sequence[Path], cameras: Sequence[str], sizes: Sequence[Size]) 
         for camera in _cameras(path, scene, sizes[0]):
             known.append(camera.name)
             if not cameras or camera.name in cameras:
-                made += [
-                    MeasuredView(name, path, camera, size, scene.triangles, _content(scene, camera, size)) for size in sizes
-                ]
+                made += [MeasuredView(name, path, camera, size, scene.pieces, _content(scene, camera, size)) for size in sizes]
     for camera_name in cameras:
         if camera_name not in known:
             names = ", ".join(dict.fromkeys(known))
@@ -92,10 +92,14 @@ def _names(paths: Sequence[Path]) -> list[str]:
     return [stem if stems.count(stem) == 1 else f"{stem}#{stems[: i + 1].count(stem)}" for i, stem in enumerate(stems)]
 
 
+def _beside(path: Path) -> Path:
+    """Return where a scene's camera file lies."""
+    return path.with_suffix(CAMERAS)
+
+
 def _cameras(path: Path | None, scene: Scene, size: Size) -> list[Camera]:
-    beside = path.with_suffix(CAMERAS) if path is not None else None
-    if beside is not None and beside.is_file():
-        found = load_cameras(beside)
+    if path is not None and _beside(path).is_file():
+        found = load_cameras(_beside(path))
     else:
         found = list(scene.cameras) or [scene.default_camera(size)]
     names = [camera.name or AUTOMATIC for camera in found]

@@ -22,7 +22,7 @@ from .frame_targets import GL_COLOR, FrameTargets
 from .programs import FORMATS, GpuResources, Program
 from .scene_buffers import SceneBuffers
 from .timer import PassTime, Timer
-from .view_values import target_constants, target_cover, view_value
+from .view_values import onto_target, target_constants, view_value
 
 GL_DEPTH = 0x1801
 WHOLE = DrawRegion()
@@ -231,7 +231,7 @@ class FrameExecutor:
             units[name] = unit
         uniforms = {**units, **self._evaluated(draw, step, textures, view)}
         with self._state.nearest_surface():
-            scene.buffers.draw(draw, scene.camera, view, step.writes, uniforms, target_cover(view, step))
+            scene.buffers.draw(draw, scene.camera, view, step.writes, uniforms, onto_target(view, step))
 
     def _host(
         self,

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..graph.draws import ViewValue
 from ..graph.plan import PlannedPass
@@ -58,10 +59,17 @@ _VALUES: Mapping[str, Callable[[ViewConstants, PlannedPass], Any]] = {
 }
 
 
-def target_cover(view: ViewConstants, step: PlannedPass) -> tuple[float, float]:
-    """Return the width and height of the target in those of the image: above 1 where its last texels lie half outside."""
-    (w, h), (target_w, target_h) = view.size, step.size
-    return step.scale * target_w / w, step.scale * target_h / h
+def onto_target(view: ViewConstants, step: PlannedPass) -> NDArray[np.float64]:
+    """Return the matrix (4, 4) that brings clip coordinates of the image to those of the target.
+
+    A texel of several pixels shows what the middle of one of them does, so that it is free of what lies beside.
+    """
+    scale, matrix = step.scale, np.eye(4)
+    middle = 0.5 - (scale // 2 + 0.5) / scale  # of that pixel in the texel's units, from the texel's
+    for axis in (0, 1):
+        share = view.size[axis] / (scale * step.size[axis])
+        matrix[axis, axis], matrix[axis, 3] = share, share - 1 + 2 * middle / step.size[axis]
+    return matrix
 
 
 def target_constants(view: ViewConstants, step: PlannedPass) -> dict[str, Value]:

@@ -92,12 +92,12 @@ class Fullscreen:
 
 @dataclass(frozen=True, slots=True)
 class DrawScene:
-    """Every mesh of the frame's scene, nearest surface first. ``shader``: vertex and fragment shader.
+    """Everything in the frame's scene, nearest surface first. shaders: vertex and fragment shader, by kind of thing.
 
     clears: written resource -> what it holds where nothing is drawn. view: whose eye it is drawn from.
     """
 
-    shader: tuple[str, str]
+    shaders: Mapping[str, tuple[str, str]]
     clears: Mapping[str, tuple[float, ...]]
     samplers: Mapping[str, str] = field(default_factory=dict)
     uniforms: Mapping[str, Uniform] = field(default_factory=dict)

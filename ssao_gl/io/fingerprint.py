@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from ..glsl import preprocess
 from ..scene.model import Mesh
+from ..scene.spheres import Spheres
+from ..scene.volume import Volume
 
 if TYPE_CHECKING:
     from hashlib import _Hash
@@ -65,3 +67,18 @@ def add_mesh(digest: _Hash, mesh: Mesh, *, normals: bool, colors: bool) -> None:
     if texture is not None and (colors or mesh.cutoff is not None):
         digest.update(repr((texture.wrap, texture.nearest, texture.mipmaps)).encode())
         add_arrays(digest, (mesh.uv, texture.array))
+
+
+def add_thing(digest: _Hash, thing: Mesh | Spheres | Volume, *, normals: bool, colors: bool) -> None:
+    """Add what a scene is made of: where it is, and on demand what shades and what colours it."""
+    match thing:
+        case Mesh():
+            add_mesh(digest, thing, normals=normals, colors=colors)
+        case Spheres():
+            digest.update(b"spheres")
+            add_arrays(digest, (thing.centers, thing.radii, thing.transforms))
+            if colors:
+                add_arrays(digest, (np.array(thing.color), thing.colors))
+        case Volume():
+            digest.update(b"volume")
+            add_arrays(digest, (thing.array, thing.affine))

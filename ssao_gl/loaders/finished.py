@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import dataclasses
 
 import numpy as np
 
 from ..errors import SceneError
-from ..scene.camera import Camera
 from ..scene.material import SOLID_FROM
 from ..scene.model import Mesh, Scene
 from .mesh_building import check_span
@@ -16,20 +15,18 @@ from .notes import Notes
 FARTHEST = 1e30
 """Largest coordinate of a scene in the world."""
 
-MAX_TRIANGLES = 10**9
+MAX_PIECES = 10**9
 """More, by instances of instances, would keep a software renderer busy for hours."""
 
 
-def finished(
-    meshes: Sequence[Mesh], cameras: Sequence[Camera], up: tuple[float, float, float], name: str, notes: Notes
-) -> Scene:
+def finished(scene: Scene, notes: Notes) -> Scene:
     """Return the scene, with what was noted. Raises SceneError for sizes that cannot be drawn."""
-    scene = Scene(meshes, cameras, up, name)
+    meshes = scene.meshes
     check_span("the scene", scene.bounds)
     if float(np.abs(scene.bounds).max()) > FARTHEST:
         raise SceneError(f"lies {float(np.abs(scene.bounds).max()):g} units from the origin; at most {FARTHEST:g}: move it")
-    if scene.triangles > MAX_TRIANGLES:
-        raise SceneError(f"draws {scene.triangles:,} triangles, instances counted each; at most {MAX_TRIANGLES:,} are drawn")
+    if scene.pieces > MAX_PIECES:
+        raise SceneError(f"draws {scene.contents}, instances counted each; at most {MAX_PIECES:,} are drawn")
     blended = sum(
         mesh.material is not None and mesh.material.alpha_mode == "BLEND" and mesh.alpha_range[0] < 1 for mesh in meshes
     )
@@ -40,9 +37,9 @@ def finished(
         )
     if not scene.drawn:
         notes.add("nothing can be seen: all of it is transparent")
-    elif not any(_has_area(mesh) for mesh in scene.drawn):
+    elif not any(not isinstance(thing, Mesh) or _has_area(thing) for thing in scene.drawn):
         notes.add("nothing can be seen: none of its triangles has an area")
-    return Scene(meshes, cameras, up, name, warnings=notes.lines)
+    return dataclasses.replace(scene, warnings=notes.lines)
 
 
 def _has_area(mesh: Mesh) -> bool:

@@ -17,9 +17,11 @@ from ..errors import SceneError, encodable, one_line
 from ..io.atomic import why_unreadable
 from ..scene.model import Scene
 from .finished import finished
+from .molecules import molecule_kind, read_molecule
 from .notes import Notes
-from .read_options import ReadOptions
+from .read_options import MoleculeOptions, ReadOptions
 from .up_axis import up_direction
+from .xyz_spheres import read_xyz_spheres
 
 LARGE = 10**5
 """Triangles from which memory is given back at once."""
@@ -33,18 +35,24 @@ def load_scene(
     animation: str | None = None,
     time: float = 0.0,
     point_size: float | None = None,
+    molecule: MoleculeOptions | None = None,
 ) -> Scene:
-    """Read a mesh or scene file (GLB, glTF, OBJ, PLY, STL, OFF ...). Nothing outside its folder is read, nothing is fetched.
+    """Read a scene file: meshes (GLB, glTF, OBJ, PLY, STL, OFF ...) or a molecule (PDB, mmCIF; also .gz).
+
+    Nothing outside its folder is read, nothing is fetched.
 
     crease: faces of meshes without normals that meet at more than this angle (radians) keep a sharp edge; 0 shades flat.
     up: which axis of the file points upwards for automatic cameras, x, y, z, or auto by format. animation, time: an animation
     of a glTF file by name or number, and a moment of it in seconds; None for the file's rest pose. point_size: diameter of
-    points in scene units, None for one that closes their surface. What is dropped or guessed is logged once, and kept in
-    ``Scene.warnings``. Raises SceneError, in one line, for anything that cannot be read or drawn.
+    points in scene units, None for one that closes their surface. molecule: how one is read, if it is one. What is dropped or
+    guessed is logged once, and kept in ``Scene.warnings``. Raises SceneError, in one line, for anything that cannot be read or drawn.
     """
     path, notes = Path(path), Notes()
+    options = ReadOptions(
+        crease=crease, animation=animation, time=time, point_size=point_size, molecule=molecule or MoleculeOptions()
+    )
     with reading(path):
-        scene = _read(path, up, ReadOptions(crease=crease, animation=animation, time=time, point_size=point_size), notes)
+        scene = _read(path, up, options, notes)
     notes.say(path)
     if scene.triangles > LARGE:
         gc.collect()  # meshes of trimesh refer to themselves, and would stay beside what is uploaded now
@@ -73,10 +81,17 @@ def reading(path: Path) -> Iterator[None]:
 
 
 def _read(path: Path, up: str, options: ReadOptions, notes: Notes) -> Scene:
+    kind, spheres = molecule_kind(path.name), []
+    if kind is not None:
+        spheres = [*read_molecule(path, kind, options.molecule, notes)]
+    elif path.suffix.lower() == ".xyz" and (found := read_xyz_spheres(path, options.molecule)):
+        kind, spheres = "xyz", [found]
+    if kind is not None:
+        return finished(Scene((), up=up_direction(up, kind), name=encodable(path.name), spheres=spheres), notes)
     from . import mesh_files
 
     loaded = mesh_files.read(path, options, notes)
-    return finished(loaded.meshes, loaded.cameras, up_direction(up, loaded.kind), encodable(path.name), notes)
+    return finished(Scene(loaded.meshes, loaded.cameras, up_direction(up, loaded.kind), encodable(path.name)), notes)
 
 
 class _quiet(warnings.catch_warnings):

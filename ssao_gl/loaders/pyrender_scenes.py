@@ -64,7 +64,7 @@ def from_pyrender(scene: pyrender.Scene, *, point_size: float | None = None) -> 
         raise SceneError("the pyrender scene has no triangles to draw")
     cameras = [] if scene.main_camera_node is None else [camera_from_pyrender(scene)]
     name = scene.name or "pyrender scene"
-    made = finished(draws, cameras, (0.0, 1.0, 0.0), name, notes)
+    made = finished(Scene(draws, cameras, (0.0, 1.0, 0.0), name), notes)
     notes.say(name)
     return dataclasses.replace(made, background=_background(scene))
 

@@ -49,7 +49,7 @@ def from_trimesh(
         raise SceneError(f"expected a trimesh.Trimesh or trimesh.Scene, got {type(source).__name__}")
     notes = Notes()
     meshes = meshes_of(source, ReadOptions(crease=crease, point_size=point_size), notes, soup=weld_vertices)
-    scene = finished(meshes, _cameras(source, notes), up or up_direction("auto", kind), name, notes)
+    scene = finished(Scene(meshes, _cameras(source, notes), up or up_direction("auto", kind), name), notes)
     notes.say(name or "the trimesh scene")
     return scene
 

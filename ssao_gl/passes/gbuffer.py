@@ -8,7 +8,11 @@ from ..graph.declare import Pass, Texture
 from ..graph.draws import DrawScene, Uniform, ViewValue
 from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, LAYER_2_MASK, NORMAL, SCENE_MASK, SHADING_NORMAL
 
-SHADER = ("gbuffer.vert", "gbuffer.frag")
+SHADERS = {
+    "mesh": ("gbuffer.vert", "gbuffer.frag"),
+    "spheres": ("spheres.vert", "spheres.frag"),
+}
+"""Vertex and fragment shader by kind of thing; what they write is in ``lib/surface.glsl``."""
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 
 
@@ -24,7 +28,7 @@ def gbuffer(background: Sequence[float], *, geometric: bool) -> Pass:
         COLOR: Texture("rgba8"),
     }
     clears = dict.fromkeys(targets, NOTHING) | {COLOR: (*background, 1.0)}
-    draw = DrawScene(SHADER, clears, defines={"GEOMETRIC": 1} if geometric else {})
+    draw = DrawScene(SHADERS, clears, defines={"GEOMETRIC": 1} if geometric else {})
     return Pass("gbuffer", "gbuffer", draw, targets, depth=SCENE_MASK)
 
 
@@ -33,6 +37,6 @@ def layer_behind(gap: float, scale: int) -> Pass:
 
     ``scale``: pixels of the image along each side of a texel of it.
     """
-    uniforms: dict[str, Uniform] = {"u_step": ViewValue("target_step"), "u_scale": float(scale), "u_gap": gap}
-    draw = DrawScene(SHADER, {DEPTH_LAYER_2: NOTHING}, {"u_front": DEPTH}, uniforms, {"BEHIND": 1})
+    uniforms: dict[str, Uniform] = {"u_front_step": ViewValue("target_step"), "u_front_scale": float(scale), "u_gap": gap}
+    draw = DrawScene(SHADERS, {DEPTH_LAYER_2: NOTHING}, {"u_front": DEPTH}, uniforms, {"BEHIND": 1})
     return Pass("layer behind", "layer", draw, {DEPTH_LAYER_2: Texture("r32f", 1 / scale)}, depth=LAYER_2_MASK)

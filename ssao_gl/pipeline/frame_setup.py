@@ -22,7 +22,7 @@ class FrameSetup:
     """A framed view.
 
     settings: with a radius. outer: size of all that is drawn, the guard band included, which ``view`` shows. triangles: of a
-    scene that surrounds the camera, else None. region: which part of it is drawn.
+    scene that surrounds the camera, spheres counted like them, else None. region: which part of it is drawn.
     """
 
     settings: Settings
@@ -57,4 +57,4 @@ def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, li
     covered = screen_bounds(scene.bounds, camera, view)
     corner = tile.corner[0] - border, tile.corner[1] - border
     region = DrawRegion((border, border, w, h) if border else None, None if "background" in settings.keep else covered)
-    return FrameSetup(settings, outer, None if covered else scene.triangles, view, region, corner, tile.whole)
+    return FrameSetup(settings, outer, None if covered else scene.pieces, view, region, corner, tile.whole)

@@ -8,6 +8,7 @@ rays find hidden. Views count alike. How well shares do on scenes they were not 
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,7 +52,7 @@ class ShareSums:
     def rmse(self, shares: F64) -> float:
         """Return the RMSE of visibility under some shares, the truth's noise taken out."""
         square = float(shares @ self.gram @ shares - 2 * shares @ self.with_truth) + self.truth2 - self.noise2
-        return max(square, 0.0) ** 0.5
+        return math.sqrt(max(square, 0.0))
 
 
 def fit_veils(paths: Sequence[Path], size: Size, renderer: Renderer, say: Any) -> dict[str, Any]:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 WIDTH = 480
 """Largest width of each picture on the page, pixels; larger ones are embedded at twice that."""
 SHOWN = ("image", "visibility")
-FACTS = ("scene", "camera", "triangles", "provider", "renderer")
+FACTS = ("scene", "camera", "contents", "provider", "renderer")
 
 
 def picture_html(picture: Picture) -> str:

@@ -119,8 +119,8 @@ class Renderer:
         self._check("drawing")
         report = frame_report(self.ctx, made.settings, size, frame, time.perf_counter() - started)
         report |= time_passes(frame, timed, made.view, scene=seen, region=made.region)
-        about = {"camera": seen.camera.name or "unnamed", "scene": scene.name, "triangles": scene.triangles}
-        return Picture(arrays, report | about)
+        about = {"camera": seen.camera.name or "unnamed", "scene": scene.name}
+        return Picture(arrays, {**report, **about, "triangles": scene.triangles, "contents": scene.contents})
 
     @_current
     def time(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,36 @@ if TYPE_CHECKING:
 Box = NDArray[np.float64]
 """(2, 3): smallest and largest coordinate."""
 Points = NDArray[np.float64]
+
+
+class Drawable(Protocol):
+    """What a scene draws, once for each of its transforms (k, 4, 4): model-to-world."""
+
+    @property
+    def transforms(self) -> Points: ...
+
+    @property
+    def bounds(self) -> Box:
+        """Box of all instances in the world."""
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it has something to draw, and a place."""
+
+    @property
+    def can_show(self) -> bool:
+        """Whether something of it may be seen."""
+
+    @property
+    def piece_count(self) -> int:
+        """Of what may lie apart from the rest by itself, in one instance."""
+
+    def outline(self) -> NDArray[np.float32]:
+        """Return points (n, 3) of it in the model, some of each piece."""
+
+    def pieces(self, matrix: Points) -> tuple[Points, Points]:
+        """Return boxes (n, 2, 3) in the world and areas (n,) of the pieces of an instance."""
+
 
 BUDGET = 1 << 27
 """Vertices times different turns of one mesh up to which each is looked at; beyond it the corners of its own box are."""
@@ -26,22 +56,23 @@ STRAY_GAP = 2e-3
 BINS = 1024
 PASSES = 24
 MAX_PIECES = 1 << 22
-"""Triangles, instances counted each, that are looked at for strays one by one; of larger scenes, instances are."""
+"""Triangles or spheres, instances counted each, that are looked at for strays one by one; of larger scenes, instances are."""
 
 
-def mesh_bounds(mesh: Mesh) -> Box:
-    """Return the box of all instances of a mesh, from the vertices that its triangles name, in the world."""
-    points = named_positions(mesh)
-    low, high = points.min(0).astype(np.float64), points.max(0).astype(np.float64)
+def placed_bounds(points: NDArray[np.float32], transforms: Points, radii: NDArray[np.float32] | None = None) -> Box:
+    """Return the box in the world of all instances of points (n, 3), or of spheres about them under similarities."""
+    reach = np.zeros(1, np.float32) if radii is None else radii[:, None]
+    low, high = (points - reach).min(0).astype(np.float64), (points + reach).max(0).astype(np.float64)
     corners = box_corners(low, high)
-    linear, offset = mesh.transforms[:, :3, :3], mesh.transforms[:, :3, 3]
-    # An axis that follows one of the mesh's has its extremes at the corners of the mesh's box.
+    linear, offset = transforms[:, :3, :3], transforms[:, :3, 3]
+    # An axis that follows one of the model's has its extremes at the corners of the model's box.
     straight = (np.count_nonzero(linear, axis=2) <= 1).all(1)
-    boxes = [_extremes(np.einsum("kij,cj->kci", mesh.transforms[straight, :3], np.column_stack([corners, np.ones(8)])))]
+    boxes = [_extremes(np.einsum("kij,cj->kci", transforms[straight, :3], np.column_stack([corners, np.ones(8)])))]
     turned, which = np.unique(linear[~straight].reshape(-1, 9), axis=0, return_inverse=True)
     if len(turned):
-        chosen = points if len(turned) * len(points) <= BUDGET else corners.astype(np.float32)
-        spans = np.array([_span(chosen, matrix.reshape(3, 3)) for matrix in turned])
+        whole = len(turned) * len(points) <= BUDGET
+        chosen, around = (points, radii) if whole else (corners.astype(np.float32), None)
+        spans = np.array([_span(chosen, matrix.reshape(3, 3), around) for matrix in turned])
         boxes.append(_extremes(spans[which.ravel()] + offset[~straight][:, None]))
     found = np.stack([box for box in boxes if np.isfinite(box).all()])
     return np.stack([found[:, 0].min(0), found[:, 1].max(0)])
@@ -53,11 +84,22 @@ def _extremes(points: Points) -> Box:
     return np.stack([flat.min(0, initial=np.inf), flat.max(0, initial=-np.inf)])
 
 
-def _span(points: NDArray[np.float32], matrix: Points) -> Box:
+def _span(points: NDArray[np.float32], matrix: Points, radii: NDArray[np.float32] | None) -> Box:
     boxes = []
     for start in range(0, len(points), CHUNK):
-        boxes.append(_extremes(points[start : start + CHUNK].astype(np.float64) @ matrix.T))
+        part = slice(start, start + CHUNK)
+        placed = points[part].astype(np.float64) @ matrix.T
+        if radii is None:
+            boxes.append(_extremes(placed))
+        else:
+            reach = radii[part, None] * similarity_scale(matrix)
+            boxes.append(np.stack([(placed - reach).min(0), (placed + reach).max(0)]))
     return _extremes(np.stack(boxes))
+
+
+def similarity_scale(matrix: Points) -> float:
+    """Return the factor by which a similarity (3 or 4, 3 or 4) enlarges."""
+    return float(np.linalg.norm(matrix[:3, 0]))
 
 
 def named_positions(mesh: Mesh) -> NDArray[np.float32]:
@@ -72,15 +114,15 @@ def box_corners(low: Points, high: Points) -> Points:
     return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])], np.float64)
 
 
-def core_bounds(meshes: Sequence[Mesh], whole: Box) -> Box:
+def core_bounds(drawn: Sequence[Drawable], whole: Box) -> Box:
     """Return the box of a scene without its strays: tiny things far from all the rest, which are hardly seen.
 
     A stray lies beyond an empty gap along some axis; all together have no more than a thousandth of the area. ``whole`` is
     the box of everything, and what comes back when there are none.
     """
-    if not _has_gaps(meshes, whole):
+    if not _has_gaps(drawn, whole):
         return whole
-    boxes, areas = (np.concatenate(parts) for parts in zip(*_pieces(meshes), strict=True))
+    boxes, areas = (np.concatenate(parts) for parts in zip(*_pieces(drawn), strict=True))
     left = STRAY_AREA * areas.sum()
     if not left > 0:
         return whole
@@ -127,18 +169,18 @@ def _runs(empty: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
-def _has_gaps(meshes: Sequence[Mesh], whole: Box) -> bool:
-    """Tell whether some bin along some axis holds no vertex: without, nothing lies apart, and the triangles need no look."""
+def _has_gaps(drawn: Sequence[Drawable], whole: Box) -> bool:
+    """Tell whether some bin along some axis holds no point: without, nothing lies apart, and the pieces need no look."""
     size = whole[1] - whole[0]
     if not (np.isfinite(size).all() and size.max() > 0):
         return False
     scale = BINS / np.where(size > 0, size, np.inf)
     seen = np.zeros((3, BINS), bool)
-    for mesh in meshes:
-        if len(mesh.triangles) * len(mesh.transforms) > MAX_PIECES:
+    for thing in drawn:
+        if thing.piece_count * len(thing.transforms) > MAX_PIECES:
             return True
-        points = named_positions(mesh)
-        for matrix in mesh.transforms:
+        points = thing.outline()
+        for matrix in thing.transforms:
             for start in range(0, len(points), CHUNK):
                 world = points[start : start + CHUNK].astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
                 bins = np.clip((world - whole[0]) * scale, 0, BINS - 1).astype(np.int64)
@@ -149,22 +191,23 @@ def _has_gaps(meshes: Sequence[Mesh], whole: Box) -> bool:
     return True
 
 
-def _pieces(meshes: Sequence[Mesh]) -> Iterator[tuple[Points, Points]]:
-    """Return boxes (n, 2, 3) and areas (n,) of all triangles in the world, or of whole instances where they are too many."""
-    many = sum(len(mesh.triangles) * len(mesh.transforms) for mesh in meshes) > MAX_PIECES
-    for mesh in meshes:
+def _pieces(drawn: Sequence[Drawable]) -> Iterator[tuple[Points, Points]]:
+    """Return boxes (n, 2, 3) and areas (n,) of all pieces in the world, or of whole instances where they are too many."""
+    many = sum(thing.piece_count * len(thing.transforms) for thing in drawn) > MAX_PIECES
+    for thing in drawn:
         if many:
-            boxes, areas = _triangles(mesh, np.eye(4))
+            boxes, areas = thing.pieces(np.eye(4))
             corners = np.column_stack([box_corners(boxes[:, 0].min(0), boxes[:, 1].max(0)), np.ones(8)])
-            placed = np.einsum("kij,cj->kci", mesh.transforms[:, :3], corners)
-            scale = np.abs(np.linalg.det(mesh.transforms[:, :3, :3])) ** (2 / 3)
+            placed = np.einsum("kij,cj->kci", thing.transforms[:, :3], corners)
+            scale = np.abs(np.linalg.det(thing.transforms[:, :3, :3])) ** (2 / 3)
             yield np.stack([placed.min(1), placed.max(1)], 1), areas.sum() * scale
         else:
-            for matrix in mesh.transforms:
-                yield _triangles(mesh, matrix)
+            for matrix in thing.transforms:
+                yield thing.pieces(matrix)
 
 
-def _triangles(mesh: Mesh, matrix: Points) -> tuple[Points, Points]:
+def triangle_pieces(mesh: Mesh, matrix: Points) -> tuple[Points, Points]:
+    """Return boxes (n, 2, 3) and areas (n,) of a mesh's triangles in the world."""
     world = mesh.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     a, b, c = (world[mesh.triangles[:, k]] for k in range(3))
     boxes = np.stack([np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)], 1)

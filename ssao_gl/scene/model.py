@@ -1,4 +1,4 @@
-"""A scene as plain arrays: triangles, their transforms and colours, and the cameras that came with them."""
+"""A scene as plain arrays: meshes, spheres and volumes with their transforms, and the cameras that came with them."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
-from .bounds import box_corners, core_bounds, mesh_bounds
+from .bounds import Drawable, box_corners, core_bounds, named_positions, placed_bounds, triangle_pieces
 from .camera import Camera
 from .material import ColorTexture, Material, alpha_range
 from .points import surfels
 from .pose import look_at
 from .projection import Size
+from .spheres import Spheres
+from .volume import Volume
 
 DEFAULT_COLOR = (0.8, 0.8, 0.8)
 """sRGB, of what has no colour."""
@@ -93,7 +95,20 @@ class Mesh:
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) smallest and largest world coordinate over all instances, of the vertices that triangles name."""
-        return mesh_bounds(self)
+        return placed_bounds(self.outline(), self.transforms)
+
+    @property
+    def piece_count(self) -> int:
+        """Triangles of one instance."""
+        return len(self.triangles)
+
+    def outline(self) -> NDArray[np.float32]:
+        """Return the vertices (n, 3) that triangles name."""
+        return named_positions(self)
+
+    def pieces(self, matrix: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return boxes (n, 2, 3) and areas (n,) of the triangles of an instance."""
+        return triangle_pieces(self, matrix)
 
     @property
     def texture(self) -> ColorTexture | None:
@@ -131,22 +146,24 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Meshes and cameras in one world. ``up`` is the direction that automatic cameras take for upwards.
+    """Meshes, spheres, volumes and cameras in one world. ``up`` is the direction that automatic cameras take for upwards.
 
     background: sRGB (r, g, b, alpha) in 0..1 behind everything, where the source names one. warnings: what was dropped,
     guessed or converted on the way here, a line each.
     """
 
-    meshes: Sequence[Mesh]
+    meshes: Sequence[Mesh] = ()
     cameras: Sequence[Camera] = ()
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     name: str = ""
     background: tuple[float, float, float, float] | None = None
     warnings: tuple[str, ...] = ()
+    spheres: Sequence[Spheres] = ()
+    volumes: Sequence[Volume] = ()
 
     def __post_init__(self) -> None:
-        if not any(mesh.is_placed for mesh in self.meshes):
-            raise SceneError(f"{self.name or 'the scene'} has no triangles to draw")
+        if not any(thing.is_placed for thing in self.things):
+            raise SceneError(f"{self.name or 'the scene'} has nothing to draw")
 
     @classmethod
     def from_arrays(
@@ -199,20 +216,25 @@ class Scene:
         warnings.warn("Scene.draws is called Scene.meshes now; the old name goes in 0.3", DeprecationWarning, stacklevel=2)
         return self.meshes
 
+    @property
+    def things(self) -> Sequence[Mesh | Spheres | Volume]:
+        """All that it is made of: meshes, then spheres, then volumes."""
+        return [*self.meshes, *self.spheres, *self.volumes]
+
     @cached_property
-    def drawn(self) -> Sequence[Mesh]:
-        """Those meshes of which something may be seen."""
-        return [mesh for mesh in self.meshes if mesh.can_show]
+    def drawn(self) -> Sequence[Mesh | Spheres | Volume]:
+        """Those things of which something may be seen."""
+        return [thing for thing in self.things if thing.can_show]
 
     @property
-    def _extended(self) -> list[Mesh]:
-        """What has an extent: all that is drawn; where that is nothing, all that has triangles."""
-        return list(self.drawn) or [mesh for mesh in self.meshes if mesh.is_placed]
+    def _extended(self) -> list[Drawable]:
+        """What has an extent: all that is drawn; where that is nothing, all that is placed."""
+        return list(self.drawn) or [thing for thing in self.things if thing.is_placed]
 
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """(2, 3) smallest and largest world coordinate."""
-        boxes = np.array([mesh.bounds for mesh in self._extended])
+        boxes = np.array([thing.bounds for thing in self._extended])
         return np.stack([boxes[:, 0].min(0), boxes[:, 1].max(0)])
 
     @property
@@ -228,7 +250,20 @@ class Scene:
     @property
     def triangles(self) -> int:
         """How many triangles are drawn, instances counted each."""
-        return sum(len(mesh.triangles) * len(mesh.transforms) for mesh in self.drawn)
+        return sum(thing.piece_count * len(thing.transforms) for thing in self.drawn if isinstance(thing, Mesh))
+
+    @property
+    def pieces(self) -> int:
+        """How many triangles, spheres and volumes are drawn, instances counted each."""
+        return sum(thing.piece_count * len(thing.transforms) for thing in self.drawn)
+
+    @property
+    def contents(self) -> str:
+        """What is drawn, in words: how many triangles, spheres and volumes, instances counted each."""
+        spheres = sum(thing.piece_count * len(thing.transforms) for thing in self.drawn if isinstance(thing, Spheres))
+        told = [f"{self.triangles:,} triangles"] if self.meshes else []
+        told += [f"{spheres:,} spheres"] if self.spheres else []
+        return ", ".join([*told, *(volume.contents for volume in self.volumes)])
 
     def default_radius(self, share: float = RADIUS_SHARE) -> float:
         """Return a share of the scene's size, of its diagonal without strays, as AO radius; the default suits objects seen whole."""

@@ -123,7 +123,7 @@ def _write_shot(place: Path, number: int, shot: Shot) -> dict[str, Any]:
     size = shot.size or (1, 1)
     return {
         **files,
-        "scene": None if shot.scene is None else shot.scene.name or f"{shot.scene.triangles} triangles",
+        "scene": None if shot.scene is None else shot.scene.name or shot.scene.contents,
         "size": list(size),
         "projection": _projection(shot.camera, size),
         "pose": np.asarray(shot.camera.pose).tolist(),

@@ -6,7 +6,7 @@ import hashlib
 import json
 from typing import Any
 
-from ..io.fingerprint import add_arrays, add_mesh, code_fingerprint
+from ..io.fingerprint import add_arrays, add_thing, code_fingerprint
 from ..pipeline.settings import Settings
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
@@ -31,6 +31,6 @@ def picture_identity(renderer: Renderer, scene: Scene, camera: Camera, size: Siz
     ]
     digest = hashlib.sha256(json.dumps(every, sort_keys=True).encode())
     add_arrays(digest, (camera.lens.matrix(size), camera.pose))
-    for mesh in scene.meshes:
-        add_mesh(digest, mesh, normals=True, colors=True)
+    for thing in scene.things:
+        add_thing(digest, thing, normals=True, colors=True)
     return digest.hexdigest()

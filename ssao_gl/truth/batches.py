@@ -16,7 +16,8 @@ from ..errors import SettingsError
 from ..sampling.falloff import Falloff, rho
 from ..sampling.hemisphere import hemisphere_directions, sobol_points
 from ..settings import title
-from .rays import DIAMETER, OFFSET, RayScene, threads
+from .blockers import DIAMETER, OFFSET, threads
+from .rays import RayScene
 from .store import Store
 from .sums import BLOCK, Sums, blocks, rms
 

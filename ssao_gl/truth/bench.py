@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..sampling.hemisphere import hemisphere_directions, sobol_points
 from .batches import local_radius, means
-from .rays import DIAMETER, threads
+from .blockers import DIAMETER, threads
 from .settings import Tracing
 from .sums import blocks
 from .surface import Surface

@@ -1,4 +1,4 @@
-"""A scene in Embree: which ray hits which triangle, and how far away.
+"""A scene for rays: whatever in it blocks them, asked together.
 
 Rays live in local coordinates: scene units about the middle of the scene's box, times the power of two that brings it
 into -1..1. So the unit and the place of a scene do not matter to 32-bit floats.
@@ -7,152 +7,89 @@ into -1..1. So the unit and the place of a scene do not matter to 32-bit floats.
 from __future__ import annotations
 
 import math
-import os
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError, SettingsError
+from ..errors import SceneError
 from ..scene.model import Mesh, Scene
-from ..scene.texels import alpha_at
+from ..scene.spheres import Spheres
+from .blockers import F32, F64, Blockers, Hits
+from .spheres import SPHERE_BYTES, SphereBlockers
+from .triangles import TRIANGLE_BYTES, TriangleBlockers
 
-F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
-I32 = NDArray[np.int32]
-
-CHUNK = 1 << 18
-"""Vertices transformed at a time."""
-
-TRIANGLE_BYTES = 256
-"""Memory that Embree takes per triangle while it builds (measured: 240 for triangles that share no vertex)."""
-
-DIAMETER = 4.0
-"""Above the diagonal of the local box, which is at most 2 sqrt(3)."""
-
-OFFSET = 2.0**-20
-"""How far from its triangle a ray starts, in local units.
-
-Coordinates below 1 round to 32-bit floats within 2^-25, which moves a plane or a point by at most sqrt(3) 2^-25; the
-start, its own triangle and a triangle beside it in the same plane make three of these, and Embree's edge functions
-work on differences up to 2 sqrt(3) with errors of a few 2^-24. 2^-20 is above the sum of them all. The bound is the
-scene's, not the triangle's: the neighbour may be far larger. (Offsetting along the geometric normal by the reach of
-rounding errors: Waechter & Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing Gems, 2019.)
-"""
-
-
-CUT_LAYERS = 256
-"""Holes that a ray may go through one after another; a ray that meets more has met something."""
+KINDS: Mapping[type, Callable[[Sequence[tuple[Any, F64]], str], Blockers]] = {
+    Mesh: TriangleBlockers,
+    Spheres: SphereBlockers,
+}
+"""Things of a scene -> what makes blockers of them and of matrices (3, 4) that place them in local coordinates."""
 
 
 class RayScene:
-    """Triangles of a scene, every instance, as blockers with two sides. Calls may come from several threads at once.
-
-    What alpha cuts out blocks nothing.
-    """
+    """All blockers of a scene, every instance. Calls may come from several threads at once."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raise SettingsError without embreex, SceneError for a scene that Embree cannot hold."""
-        embree = _embreex()
+        """Raise SettingsError for packages that are missing, SceneError for a scene that cannot be held."""
         self.scene = scene
-        _check_memory(scene)
         self.center, self.scale = _local(scene)
-        self._parts = [(mesh, self._to_local(m)) for mesh in scene.drawn for m in mesh.transforms]
-        self._cut = np.array([mesh.cutoff is not None for mesh, _ in self._parts], bool)
-        self._embree = embree.rtcore_scene.EmbreeScene(robust=True)  # no leaks along edges
-        for draw, matrix in self._parts:
-            embree.mesh_construction.TriangleMesh(self._embree, _placed(draw, matrix), draw.triangles.view(np.int32))
-        zero = np.zeros((1, 3), np.float32)
-        self._embree.run(zero, zero + 1, query="OCCLUDED")  # the first query builds the tree, and must be alone
+        self._blockers: list[Blockers] = []
+        for kind, blockers in KINDS.items():
+            things = [thing for thing in scene.drawn if isinstance(thing, kind)]
+            placed = [(thing, self._to_local(matrix)) for thing in things for matrix in thing.transforms]
+            if placed:
+                self._blockers.append(blockers(placed, scene.name or "the scene"))
+
+    @property
+    def triangles(self) -> TriangleBlockers:
+        """Those blockers that are triangles. Raises SceneError in a scene without any."""
+        for blockers in self._blockers:
+            if isinstance(blockers, TriangleBlockers):
+                return blockers
+        raise SceneError(f"{self.scene.name or 'the scene'}: has no triangles")
 
     def _to_local(self, transform: F64) -> F64:
         matrix = transform[:3] * self.scale
         matrix[:, 3] -= self.center * self.scale
         return matrix
 
-    def occluded(self, origins: F32, directions: F32, reach: float) -> NDArray[np.bool_]:
-        """Whether each ray (n, 3) hits anything nearer than ``reach``, in local units."""
-        if self._cut.any():
-            return np.asarray(self._solid_hits(origins, directions, np.full(len(origins), reach, np.float32))["geomID"] >= 0)
-        return np.asarray(self._embree.run(origins, directions, dists=reach, query="OCCLUDED")) >= 0
+    def occluded(self, origins: F32, directions: F32, reach: float) -> NDArray[Any]:
+        """Return how much of each ray (n, 3) is blocked nearer than ``reach``, in local units: bool, or shares in 0..1."""
+        every = [blockers.occluded(origins, directions, reach) for blockers in self._blockers]
+        if len(every) == 1:
+            return every[0]
+        if all(one.dtype == bool for one in every):
+            return np.asarray(np.logical_or.reduce(every))
+        return np.asarray(1 - np.prod([1 - one.astype(np.float64) for one in every], axis=0))
 
     def distances(self, origins: F32, directions: F32, reach: float) -> F32:
         """Distance (n,) to the first hit of each ray (n, 3), ``reach`` where there is none."""
-        if self._cut.any():
-            found = self._solid_hits(origins, directions, np.full(len(origins), reach, np.float32))
-            return np.where(found["geomID"] >= 0, found["tfar"], np.float32(reach))
-        return np.asarray(self._embree.run(origins, directions, dists=reach, query="DISTANCE"))
+        every = [blockers.distances(origins, directions, reach) for blockers in self._blockers]
+        return every[0] if len(every) == 1 else np.asarray(np.minimum.reduce(every))
 
-    def hits(self, origins: F32, directions: F32, reach: F32) -> dict[str, NDArray[Any]]:
-        """Return the first hits of rays (n, 3) within ``reach`` (n,): barycentric u and v, tfar, primID and geomID (-1: none)."""
-        return self._solid_hits(origins, directions, reach) if self._cut.any() else self._hits(origins, directions, reach)
-
-    def _hits(self, origins: F32, directions: F32, reach: F32) -> dict[str, NDArray[Any]]:
-        # embreex writes the distances it finds into the array it is given.
-        found: dict[str, NDArray[Any]] = self._embree.run(origins, directions, dists=reach.copy(), query="INTERSECT", output=1)
-        return found
-
-    def _solid_hits(self, origins: F32, directions: F32, reach: F32) -> dict[str, NDArray[Any]]:
-        """:meth:`hits`, where rays that met a hole start anew behind it."""
-        found = self._hits(origins, directions, reach)
-        gone = np.zeros(len(origins), np.float32)
-        length = np.linalg.norm(directions, axis=1)
-        rays = self._at_holes(found, np.arange(len(origins)))
-        for _ in range(CUT_LAYERS):
-            if not len(rays):
-                break
-            gone[rays] = np.nextafter(gone[rays] + found["tfar"][rays], np.float32(np.inf)) + OFFSET / length[rays]
-            left = np.maximum(reach[rays] - gone[rays], 0)
-            further = self._hits(origins[rays] + gone[rays, None] * directions[rays], directions[rays], left)
-            further["geomID"][left <= 0] = -1
-            for name in ("u", "v", "tfar", "primID", "geomID"):
-                found[name][rays] = further[name]
-            rays = self._at_holes(found, rays)
-        found["tfar"] += gone
-        return found
-
-    def _at_holes(self, found: dict[str, NDArray[Any]], rays: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return those of ``rays`` whose hits are cut out."""
-        part = found["geomID"][rays].astype(np.int64)
-        candidates = rays[(part >= 0) & self._cut[part]]
-        holes = [candidates[:0]]
-        part = found["geomID"][candidates]
-        for number in np.unique(part):
-            mesh = self._parts[number][0]
-            of = candidates[part == number]
-            alpha = alpha_at(mesh, found["primID"][of], found["u"][of].astype(np.float64), found["v"][of].astype(np.float64))
-            holes.append(of[alpha < (mesh.cutoff or 0)])
-        return np.sort(np.concatenate(holes))
-
-    def placed(self, part: int) -> tuple[Mesh, F64]:
-        """Return the mesh of a part, whose triangles it has in their order, and (3, 4) to local coordinates."""
-        return self._parts[part]
-
-    def corners(self, part: int, triangles: I32) -> tuple[F64, F64]:
-        """Corners (n, 3, 3) of some triangles of a part, local, and vertex normals (n, 3, 3), zero where there are none.
-
-        From the scene's own arrays in 64-bit, so that points and normals have no rounding of Embree's in them.
-        """
-        draw, matrix = self._parts[part]
-        index = draw.triangles[triangles]
-        points = draw.positions[index].astype(np.float64) @ matrix[:, :3].T + matrix[:, 3]
-        if draw.normals is None:
-            return points, np.zeros_like(points)
-        return points, draw.normals[index].astype(np.float64) @ cofactors(matrix[:, :3]).T
+    def hits(self, origins: F32, directions: F32, reach: F32) -> Hits:
+        """Return the first hits of rays (n, 3) within ``reach`` (n,)."""
+        return _nearest([blockers.hits(origins, directions, reach) for blockers in self._blockers])
 
 
-def cofactors(m: F64) -> F64:
-    """Return det(m) times the inverse transpose: turns normals as ``m`` turns planes, for singular matrices too."""
-    return np.stack([np.cross(m[1], m[2]), np.cross(m[2], m[0]), np.cross(m[0], m[1])])
+def tree_bytes(scene: Scene) -> int:
+    """Return the memory that a scene's blockers take, as far as it is known beforehand."""
+    spheres = sum(thing.piece_count * len(thing.transforms) for thing in scene.drawn if isinstance(thing, Spheres))
+    return scene.triangles * TRIANGLE_BYTES + spheres * SPHERE_BYTES
 
 
-def _placed(draw: Mesh, matrix: F64) -> F32:
-    """Local positions (n, 3), contiguous."""
-    out = np.empty(draw.positions.shape, np.float32)
-    for start in range(0, len(out), CHUNK):
-        part = slice(start, start + CHUNK)
-        out[part] = draw.positions[part].astype(np.float64) @ matrix[:, :3].T + matrix[:, 3]
-    return out
+def _nearest(every: Sequence[Hits]) -> Hits:
+    """Return the nearest of the hits of each ray."""
+    if len(every) == 1:
+        return every[0]
+    rays, distance = (np.concatenate([getattr(hits, name) for hits in every]) for name in ("rays", "distance"))
+    order = np.lexsort((distance, rays))
+    first = order[np.flatnonzero(np.diff(rays[order], prepend=-1))]
+    points, normals, shading = (
+        np.concatenate([getattr(h, name) for h in every])[first] for name in ("points", "normals", "shading")
+    )
+    return Hits(rays[first], distance[first], points, normals, shading)
 
 
 def _local(scene: Scene) -> tuple[F64, float]:
@@ -163,35 +100,3 @@ def _local(scene: Scene) -> tuple[F64, float]:
         raise SceneError(f"{scene.name or 'the scene'}: its coordinates exceed what 64-bit numbers hold; rays cannot be traced")
     exponent = math.frexp(half)[1] if half > 0 else 0
     return low / 2 + high / 2, math.ldexp(1.0, -max(exponent, -1000))
-
-
-def _check_memory(scene: Scene) -> None:
-    need, have = scene.triangles * TRIANGLE_BYTES, _memory()
-    if need > have:
-        raise SceneError(
-            f"{scene.name or 'the scene'}: {scene.triangles:,} triangles (instances counted each) need about {need / 2**30:.1f} GiB"
-            f" in Embree; this machine has {have / 2**30:.1f} GiB. Trace a part of it, or fewer instances"
-        )
-
-
-def _memory() -> float:
-    """Bytes of memory of this machine; infinite where it does not say."""
-    try:
-        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, ValueError, OSError):
-        return math.inf
-
-
-def threads() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _embreex() -> Any:
-    try:
-        import embreex
-        import embreex.mesh_construction
-        import embreex.rtcore_scene
-    except ImportError:
-        raise SettingsError("tracing rays needs the package embreex (x86-64 only): pip install 'ssao_gl[truth]'") from None
-    return embreex

@@ -17,7 +17,8 @@ from ..sampling.scatter import RayLayer, ray_layers
 from ..scene.camera import Camera
 from ..scene.projection import Size, ViewConstants
 from .batches import local_radius
-from .rays import DIAMETER, OFFSET, RayScene, threads
+from .blockers import DIAMETER, OFFSET, threads
+from .rays import RayScene
 from .settings import Tracing
 from .sums import blocks
 

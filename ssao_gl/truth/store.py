@@ -13,7 +13,7 @@ import numpy as np
 
 from ..io.atomic import check_writable, make_folder
 from ..io.cache import prune, read_cached, write_cached
-from ..io.fingerprint import add_arrays, add_mesh
+from ..io.fingerprint import add_arrays, add_thing
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
@@ -25,11 +25,11 @@ VERSION = 2
 
 
 def content_key(scene: Scene, camera: Camera, size: Size, tracing: Tracing) -> str:
-    """Return the hash of the triangles and where they are, the camera, the size and the settings; not of names or colours."""
+    """Return the hash of what is drawn and where it is, the camera, the size and the settings; not of names or colours."""
     digest = hashlib.sha256(json.dumps([VERSION, size, as_table(tracing)], sort_keys=True).encode())
     add_arrays(digest, (np.asarray(camera.lens.matrix(size), np.float64), np.asarray(camera.pose, np.float64)))
-    for mesh in scene.drawn:
-        add_mesh(digest, mesh, normals=tracing.normals == "shading", colors=False)
+    for thing in scene.drawn:
+        add_thing(digest, thing, normals=tracing.normals == "shading", colors=False)
     return digest.hexdigest()[:32]
 
 

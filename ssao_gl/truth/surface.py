@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size, ViewConstants
-from .rays import DIAMETER, F32, F64, OFFSET, RayScene, threads
+from .blockers import DIAMETER, F32, F64, OFFSET, threads
+from .rays import RayScene
 from .sums import blocks
 
 CHUNK = 1 << 14
@@ -109,9 +110,8 @@ def _hit(rays: RayScene, camera: Camera, view: ViewConstants, part: slice, depth
     found = rays.hits(
         (start + near[:, None] * direction).astype(np.float32), direction.astype(np.float32), (far - near).astype(np.float32)
     )
-    hit = np.flatnonzero(found["geomID"] >= 0)
-    points, normals, shading = _interpolated(rays, {name: found[name][hit] for name in ("u", "v", "primID", "geomID")})
-    start, direction = start[hit], direction[hit]
+    hit, points, normals, shading = found.rays, found.points, found.normals, found.shading
+    direction = direction[hit]
     normals = _unit(normals, -direction)
     normals *= _side(normals, -direction)
     shading = _unit(shading, normals)
@@ -122,22 +122,6 @@ def _hit(rays: RayScene, camera: Camera, view: ViewConstants, part: slice, depth
     depth[part.start + met[hit]] = np.maximum((points - eye) @ axis / (axis @ axis) / rays.scale, np.finfo(np.float32).tiny)
     origins = points + OFFSET * normals
     return origins.astype(np.float32), normals.astype(np.float32), shading.astype(np.float32)
-
-
-def _interpolated(rays: RayScene, found: dict[str, NDArray[np.float32]]) -> tuple[F64, F64, F64]:
-    """Points (n, 3), triangle normals and vertex normals, not normalised, of hits."""
-    part = found["geomID"]
-    points, normals, shading = (np.empty((len(part), 3)) for _ in range(3))
-    order = np.argsort(part, kind="stable")
-    for group in np.split(order, np.flatnonzero(np.diff(part[order])) + 1):
-        if not len(group):
-            continue
-        corners, around = rays.corners(int(part[group[0]]), found["primID"][group].astype(np.int32))
-        u, v = (found[name][group].astype(np.float64)[:, None] for name in ("u", "v"))
-        points[group] = (1 - u - v) * corners[:, 0] + u * corners[:, 1] + v * corners[:, 2]
-        normals[group] = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        shading[group] = (1 - u - v) * around[:, 0] + u * around[:, 1] + v * around[:, 2]
-    return points, normals, shading
 
 
 def _unit(vectors: F64, instead: F64) -> F64:

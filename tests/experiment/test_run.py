@@ -218,7 +218,7 @@ def test_results_of_another_format_are_refused(folder: Path, tmp_path: Path, cap
     ("arguments", "message"),
     [
         (["missing.glb"], "no such file"),
-        (["depth.npy"], "needs a scene with triangles"),
+        (["depth.npy"], "and needs a scene"),
         (["--compare", "missing.json"], "no such file"),
         (["--rounds", "0"], "at least 1"),
         (["--fit", "nothing"], "no such scene"),

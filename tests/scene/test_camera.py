@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ssao_gl.errors import SettingsError
-from ssao_gl.gl.scene_buffers import fit_depth_range
+from ssao_gl.gl.depth_range import fit_depth_range
 from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.pose import look_at
 from ssao_gl.scene.projection import Matrix, ViewConstants

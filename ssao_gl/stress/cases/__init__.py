@@ -1,6 +1,20 @@
 """The named cases. Importing this package fills the table; groups stand in the order of ``__all__``."""
 
-from . import absent, cameras, formats, images, invariances, meshes, normals, odd_scenes, radii, sizes, surfaces, texels
+from . import (
+    absent,
+    cameras,
+    formats,
+    images,
+    invariances,
+    meshes,
+    normals,
+    odd_scenes,
+    radii,
+    sizes,
+    spheres,
+    surfaces,
+    texels,
+)
 
 __all__ = [
     "surfaces",
@@ -12,6 +26,7 @@ __all__ = [
     "normals",
     "meshes",
     "odd_scenes",
+    "spheres",
     "invariances",
     "images",
     "absent",

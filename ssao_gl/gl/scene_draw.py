@@ -1,0 +1,64 @@
+"""What every kind of thing in a scene is drawn with: the view, the targets, and the uniforms that all their shaders share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from ..glsl.preprocess import Define
+from ..graph.draws import DrawScene
+from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, NORMAL, SHADING_NORMAL
+from ..scene.projection import Matrix, ViewConstants
+
+TARGETS = {
+    DEPTH: "DEPTH_TARGET",
+    DEPTH_LAYER_2: "DEPTH_TARGET",
+    NORMAL: "NORMAL_TARGET",
+    SHADING_NORMAL: "SHADING_NORMAL_TARGET",
+    COLOR: "COLOR",
+}
+"""Resource -> the define that makes the shader write it."""
+
+_Kind = tuple[tuple[str, str], tuple[str, ...], tuple[tuple[str, Define], ...]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneDraw:
+    """One draw of a scene, as its things see it.
+
+    writes: the targets, in order. defines, uniforms: of every shader. from_center: (4, 4) float64, from the world's axes about
+    the middle of the scene to view space; projection: from there to the clip space of the fitted depth range.
+    """
+
+    draw: DrawScene
+    writes: tuple[str, ...]
+    defines: Mapping[str, Define]
+    uniforms: Mapping[str, Any]
+    view: ViewConstants
+    from_center: Matrix
+    projection: Matrix
+
+    @property
+    def first_unit(self) -> int:
+        """The first texture unit that is free."""
+        return len(self.draw.samplers)
+
+    def program_key(self, kind: str) -> _Kind:
+        """Return what decides the program of a kind of thing, but the thing itself: shader, targets, defines."""
+        return self.draw.shaders[kind], self.writes, tuple(sorted(self.defines.items()))
+
+    @property
+    def target_defines(self) -> dict[str, int]:
+        """Which targets there are, and where."""
+        return {"TARGETS": len(self.writes)} | {TARGETS[name]: index for index, name in enumerate(self.writes)}
+
+
+class ThingBuffers(Protocol):
+    """The things of one kind in GL objects."""
+
+    def draw(self, seen: SceneDraw) -> None:
+        """Draw them into the bound framebuffer."""
+
+    def release(self) -> None:
+        """Free every GL object of these."""
