@@ -22,6 +22,7 @@ from .scene.depth_image import DepthImage
 from .scene.model import Mesh, Scene
 from .scene.pose import look_at
 from .scene.spheres import Spheres
+from .scene.transfer import Transfer, TransferPoint
 from .scene.volume import Volume
 
 __version__: str
@@ -57,6 +58,8 @@ __all__ = [
     "Spheres",
     "SsaoError",
     "Target",
+    "Transfer",
+    "TransferPoint",
     "Volume",
     "apply",
     "as_scene",
