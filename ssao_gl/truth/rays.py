@@ -16,13 +16,16 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..scene.model import Mesh, Scene
 from ..scene.spheres import Spheres
+from ..scene.volume import Volume
 from .blockers import F32, F64, Blockers, Hits
 from .spheres import SPHERE_BYTES, SphereBlockers
 from .triangles import TRIANGLE_BYTES, TriangleBlockers
+from .volumes import VolumeBlockers
 
 KINDS: Mapping[type, Callable[[Sequence[tuple[Any, F64]], str], Blockers]] = {
     Mesh: TriangleBlockers,
     Spheres: SphereBlockers,
+    Volume: VolumeBlockers,
 }
 """Things of a scene -> what makes blockers of them and of matrices (3, 4) that place them in local coordinates."""
 
