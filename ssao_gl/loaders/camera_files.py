@@ -65,16 +65,6 @@ def load_camera(spec: str, size: Size | None = None) -> Camera:
     )
 
 
-def file_assembly(path: Path) -> str | None:
-    """Return the assembly that a molecule's camera file was made for, its ``"assembly"``; None where it names none."""
-    try:
-        content = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None  # what is wrong with it is said where its cameras are read
-    named = content.get("assembly") if isinstance(content, dict) else None
-    return named if isinstance(named, str) else None
-
-
 @dataclass(frozen=True, slots=True)
 class Aims:
     """What the cameras of a file are aimed at, where the scene leaves a choice: a molecule's assembly, a volume's level."""
