@@ -29,8 +29,8 @@ VOLUMES = (".nrrd", ".nhdr", ".nii", ".nii.gz")
 """Endings of volumes' names."""
 MAX_VOXELS = 1 << 31
 """Their field takes 8 GiB as it is drawn."""
-VOXEL_BYTES = 12
-"""Of the field, of its copy on the way to the driver, and of the driver's own."""
+VOXEL_BYTES = 24
+"""Of the field, of the driver's own, and of what is made on the way to either."""
 
 DONE = ("data file", "datafile", "line skip", "lineskip")
 """Fields of a NRRD header that say how to come to its data."""

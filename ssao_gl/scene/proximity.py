@@ -5,6 +5,8 @@ Cohen & Sheffer 1994, "Proximity Clouds: An Acceleration Technique for 3D Grid T
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_cdt
@@ -24,18 +26,20 @@ def proximity(volume: Volume) -> NDArray[np.uint8]:
     go through, or in which something has opacity; 0 in such a cell itself. So all cells less than d away are on one side of
     the surface: inside with ``INSIDE``.
     """
-    low = high = volume.field
-    for axis in range(3):
-        low, high = _pairs(low, np.minimum, axis), _pairs(high, np.maximum, axis)
     if volume.iso is not None:
-        inside, some = low >= 0, (low < 0) & (high >= 0)
+        sides = volume.field >= 0
+        inside = _cells(sides, np.logical_and)
+        some = _cells(sides, np.logical_or) & ~inside
     else:
+        low, high = _cells(volume.field, np.minimum), _cells(volume.field, np.maximum)
         inside, some = np.zeros(low.shape, bool), ~volume.transfer_of().transparent(low, high)
     away = distance_transform_cdt(~some, "chessboard") if some.any() else np.full(some.shape, FARTHEST)
     return np.asarray(np.minimum(away, FARTHEST) + INSIDE * inside, np.uint8)
 
 
-def _pairs(field: NDArray[np.float32], by: np.ufunc, axis: int) -> NDArray[np.float32]:
-    """Return the least or the largest of neighbours along an axis."""
-    turned = np.moveaxis(field, axis, 0)
-    return np.asarray(np.moveaxis(by(turned[1:], turned[:-1]), 0, axis))
+def _cells(voxels: NDArray[Any], by: np.ufunc) -> NDArray[Any]:
+    """Return, for each cell, what ``by`` makes of the eight voxels about it."""
+    for axis in range(3):
+        turned = np.moveaxis(voxels, axis, 0)
+        voxels = np.moveaxis(by(turned[1:], turned[:-1]), 0, axis)
+    return voxels

@@ -188,6 +188,29 @@ def test_broken_nifti_files_get_one_line(make: Any, told: str, tmp_path: Path) -
     _refused(packed, "")
 
 
+def test_damaged_files_are_read_or_refused_in_a_line(tmp_path: Path) -> None:
+    """A few bytes of each file changed, dropped or doubled, headers more than data; the same ones in every run."""
+    random = np.random.default_rng(11)
+    nibabel.save(nibabel.Nifti1Image(VALUES, np.eye(4)), tmp_path / "a.nii")
+    attached(tmp_path / "a.nrrd", "encoding: raw\nspace: LPS\nspace directions: (1,0,0) (0,1,0) (0,0,2)\nspacings: 1 1 1\n")
+    refused = 0
+    for name in ("a.nii", "a.nrrd"):
+        whole = (tmp_path / name).read_bytes()
+        path = tmp_path / f"b{Path(name).suffix}"
+        for _ in range(150):
+            data = bytearray(whole)
+            at, many = int(random.integers(min(len(data), 360))), int(random.integers(1, 9))
+            change = bytes(random.integers(0, 256, many, np.uint8))
+            data[at : at + many] = [change, b"", bytes(data[at : at + many]) * 2][int(random.integers(3))]
+            path.write_bytes(data)
+            try:
+                assert load_scene(path, volume=LEVEL).volumes
+            except SceneError as error:
+                assert str(error).startswith(str(path)) and "\n" not in str(error)
+                refused += 1
+    assert 50 < refused < 300
+
+
 def test_colours_are_no_volume(tmp_path: Path) -> None:
     rgb = np.zeros((2, 3, 4), [("R", "u1"), ("G", "u1"), ("B", "u1")])
     nibabel.save(nibabel.Nifti1Image(rgb, np.eye(4)), tmp_path / "a.nii.gz")
