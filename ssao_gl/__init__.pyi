@@ -4,7 +4,7 @@ from .errors import ContextError, FormatError, GraphError, InputWarning, SceneEr
 from .io.srgb import multiply
 from .loaders.as_scene import as_scene
 from .loaders.load import load_scene
-from .loaders.read_options import MoleculeOptions
+from .loaders.read_options import MoleculeOptions, VolumeOptions
 from .methods.alchemy import Alchemy
 from .methods.bitmask import Bitmask
 from .methods.lecture import Lecture
@@ -61,6 +61,7 @@ __all__ = [
     "Transfer",
     "TransferPoint",
     "Volume",
+    "VolumeOptions",
     "apply",
     "as_scene",
     "compare",
