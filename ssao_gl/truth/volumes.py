@@ -17,6 +17,9 @@ from .blockers import F32, F64, Hits
 if TYPE_CHECKING:
     from .volume_kernels import Grid, Medium
 
+VOXEL_BYTES = 5
+"""Memory of a voxel for rays: of its field, and of how far they may leap."""
+
 
 class VolumeBlockers:
     """Volumes, each traced by itself.
