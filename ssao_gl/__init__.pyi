@@ -5,7 +5,7 @@ from .errors import ContextError, FormatError, GraphError, InputWarning, SceneEr
 from .io.srgb import multiply
 from .loaders.as_scene import as_scene
 from .loaders.load import load_scene
-from .loaders.read_options import MoleculeOptions
+from .loaders.read_options import MoleculeOptions, VolumeOptions
 from .methods.alchemy import Alchemy
 from .methods.bitmask import Bitmask
 from .methods.lecture import Lecture
@@ -23,6 +23,7 @@ from .scene.depth_image import DepthImage
 from .scene.model import Mesh, Scene
 from .scene.pose import look_at
 from .scene.spheres import Spheres
+from .scene.transfer import Transfer, TransferPoint
 from .scene.volume import Volume
 
 __version__: str
@@ -61,8 +62,11 @@ __all__ = [
     "Spheres",
     "SsaoError",
     "Target",
+    "Transfer",
+    "TransferPoint",
     "Vertices",
     "Volume",
+    "VolumeOptions",
     "apply",
     "as_scene",
     "bake",

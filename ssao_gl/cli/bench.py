@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -109,12 +110,13 @@ def _every(times: Sequence[PassTime]) -> dict[str, list[PassTime]]:
 
 
 def _host(renderer: Renderer, scene: Scene, camera: Camera, settings: Settings) -> dict[str, float]:
-    """Milliseconds of Python: making a plan, and running a frame of one mesh with the driver's draws left out."""
+    """Milliseconds of Python: making a plan, and running a frame of one thing with the driver's draws left out."""
     settings = settings.with_radius(1.0)
     plan = plan_render(settings, (1280, 720))
     tasks = [step.task for step in plan.steps]
     plan_ms = _median_ms(lambda: compile(tasks, (1280, 720), ["image"]), 200)
-    one = Scene(scene.meshes[:1], cameras=scene.cameras, up=scene.up)
+    spheres, volumes = () if scene.meshes else scene.spheres[:1], () if scene.meshes or scene.spheres else scene.volumes[:1]
+    one = dataclasses.replace(scene, meshes=scene.meshes[:1], spheres=spheres, volumes=volumes)
     frame = renderer.frame(one, camera, (1, 1), settings, aovs=("image",))
     frame()
     with without_draws():

@@ -28,6 +28,7 @@ from .help_pages import OCCLUSION, OUTPUT, RARE, VIEW
 from .molecule_options import AtomOptions
 from .output import check_output, check_radius, input_warnings, parse_size, parse_vector, write_text
 from .tokens import WHOLE, parse_share
+from .volume_options import VoxelOptions
 
 
 def _option(text: str, *, rare: bool = False) -> Parameter:
@@ -168,6 +169,7 @@ class ViewOptions:
         float | None, _option("Diameter of points, scene units. [default: one that closes their surface]", rare=True)
     ] = None
     atoms: AtomOptions = AtomOptions()
+    voxels: VoxelOptions = VoxelOptions()
     strict: Annotated[
         bool, _option("Take it for an error when something of the scene or camera file is dropped or guessed.", rare=True)
     ] = False
@@ -192,7 +194,8 @@ class ViewOptions:
             raise SettingsError(f"--point-size {self.point_size:g}: must be above 0 (scene units)")
         scene = load_scene(
             path, crease=math.radians(self.crease_deg), up=axis,
-            animation=self.animation, time=self.time, point_size=self.point_size, molecule=self.atoms.molecule(),
+            animation=self.animation, time=self.time, point_size=self.point_size,
+            molecule=self.atoms.molecule(), volume=self.voxels.volume(),
         )  # fmt: skip
         if self.strict and scene.warnings:
             raise SceneError(f"{path}: {scene.warnings[0]} (--strict)")

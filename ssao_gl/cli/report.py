@@ -19,7 +19,7 @@ from ..experiment.estimators import RAYS, Rays, ScreenSpace
 from ..experiment.residual import residual_rays_upon
 from ..experiment.sweep import Sweep, SweepProgress, check_rounds, fitting_scenes, split_size
 from ..experiment.variants import TRUTH, variants
-from ..experiment.views import MeasuredView, views
+from ..experiment.views import MeasuredView, SceneReading, views
 from ..io.atomic import check_writable
 from ..io.cache import default_folder
 from ..render.renderer import Renderer
@@ -32,6 +32,7 @@ from .options import GlOption
 from .output import QUIET, comma_list, parse_size, say
 from .signals import Terminated
 from .tokens import WHOLE
+from .volume_options import VoxelOptions
 
 Listed = tuple[str, ...]
 
@@ -80,6 +81,7 @@ class SweepOptions:
             "--rays",
         ),
     ] = ()
+    voxels: VoxelOptions = VoxelOptions()
 
     def sizes(self) -> list[Size]:
         """Return (width, height) of all images, in pixels. Raises SettingsError."""
@@ -91,7 +93,8 @@ class SweepOptions:
 
     def views(self, scenes: Sequence[Path]) -> list[MeasuredView]:
         """Return the cameras of all scenes. Raises SceneError, SettingsError."""
-        return views(scenes, [name for name in comma_list(self.cameras) if name != "all"], self.sizes())
+        names = [name for name in comma_list(self.cameras) if name != "all"]
+        return views(scenes, names, self.sizes(), SceneReading(volume=self.voxels.volume()))
 
 
 @Parameter(name="*", group=OF_TRUTH)

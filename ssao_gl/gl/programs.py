@@ -92,7 +92,7 @@ class GpuResources:
         self.home = mgl.framebuffer([self._pixel])
         self._corner = mgl.buffer(np.array([-1, -1, 3, -1, -1, 3], "f4").tobytes())
         self._programs: dict[Any, Program] = {}
-        self._triangles: dict[Any, moderngl.VertexArray] = {}
+        self._triangles: dict[Program, moderngl.VertexArray] = {}
         self._tables: dict[FloatTable, moderngl.Texture] = {}
         # Samplers of our own: a caller's sampler left on a unit, or a caller's texture with comparison or filtering
         # on, would otherwise change what we read.
@@ -116,12 +116,15 @@ class GpuResources:
 
     def triangle(self, fragment: str, defines: Mapping[str, preprocess.Define]) -> tuple[Program, moderngl.VertexArray]:
         """Return a full-screen program and its vertex array."""
-        key = (fragment, tuple(sorted(defines.items())))
-        vao = self._triangles.get(key)
         program = self.program("fullscreen.vert", fragment, defines)
+        return program, self.corners(program)
+
+    def corners(self, program: Program) -> moderngl.VertexArray:
+        """Return the vertex array of a program that draws one triangle over its target."""
+        vao = self._triangles.get(program)
         if vao is None:
-            vao = self._triangles[key] = self.ctx.mgl.vertex_array(program.mgl, [(self._corner, "2f", "a_corner")])
-        return program, vao
+            vao = self._triangles[program] = self.ctx.mgl.vertex_array(program.mgl, [(self._corner, "2f", "a_corner")])
+        return vao
 
     def table(self, values: FloatTable) -> moderngl.Texture:
         """Return a small float texture of ``values`` (h, w, channels), made once, to be read with ``repeat``."""
@@ -143,7 +146,7 @@ class GpuResources:
         texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         return texture
 
-    def bind(self, unit: int, texture: moderngl.Texture, *, repeat: bool = False) -> None:
+    def bind(self, unit: int, texture: moderngl.Texture | moderngl.Texture3D, *, repeat: bool = False) -> None:
         """Bind a texture, and our own sampler with it, to a unit."""
         texture.use(unit)
         (self._repeat if repeat else self._clamp).use(unit)

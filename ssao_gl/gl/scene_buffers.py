@@ -13,11 +13,13 @@ from ..scene.camera import Camera
 from ..scene.model import Mesh, Scene
 from ..scene.projection import Matrix, ViewConstants
 from ..scene.spheres import Spheres
+from ..scene.volume import Volume
 from .depth_range import fit_depth_range, log_depth, near_one
 from .mesh_buffers import MeshBuffers
 from .programs import GpuResources
 from .scene_draw import SceneDraw, ThingBuffers
 from .sphere_buffers import SphereBuffers
+from .volume_buffers import VolumeBuffers
 
 LIGHT = (-0.36, 0.48, 0.8)
 """Unit vector to the light in view space: over the viewer's left shoulder."""
@@ -25,6 +27,7 @@ LIGHT = (-0.36, 0.48, 0.8)
 KINDS: Mapping[type, Callable[[GpuResources, Sequence[Any], NDArray[np.float64]], ThingBuffers]] = {
     Mesh: MeshBuffers,
     Spheres: SphereBuffers,
+    Volume: VolumeBuffers,
 }
 """Things of a scene, in the order in which they are drawn -> what holds them on the GPU."""
 

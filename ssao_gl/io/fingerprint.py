@@ -80,5 +80,11 @@ def add_thing(digest: _Hash, thing: Mesh | Spheres | Volume, *, normals: bool, c
             if colors:
                 add_arrays(digest, (np.array(thing.color), thing.colors))
         case Volume():
-            digest.update(b"volume")
+            digest.update(repr(("volume", thing.iso)).encode())
             add_arrays(digest, (thing.array, thing.affine))
+            if thing.transfer is not None:
+                table = thing.transfer_of().table()
+                digest.update(repr((thing.transfer.unit, thing.transfer.step)).encode())
+                add_arrays(digest, (table if colors else np.ascontiguousarray(table[:, 3]),))
+            elif colors:
+                add_arrays(digest, (np.array(thing.color),))

@@ -12,6 +12,7 @@ from ..errors import SceneError, SettingsError
 from ..scene.camera import Camera
 from ..scene.model import Scene
 from ..scene.projection import Size
+from ..scene.volume import Volume
 from . import pyrender_scenes
 from .camera_files import load_camera
 from .camera_objects import camera_of
@@ -20,7 +21,7 @@ from .up_axis import up_direction
 
 
 def as_scene(source: Any, up: str = "auto") -> Scene:
-    """A scene from a path, a ``trimesh.Trimesh`` or ``Scene``, a ``pyrender.Scene``, points (n, 3), or itself. Raises SceneError.
+    """A scene from a path, a ``trimesh.Trimesh`` or ``Scene``, a ``pyrender.Scene``, points (n, 3), a :class:`Volume`, or itself. Raises SceneError.
 
     up: axis that automatic views take for upwards, x, y or z; auto: the source's own, or that of its file's format.
     """
@@ -32,6 +33,8 @@ def as_scene(source: Any, up: str = "auto") -> Scene:
 def _scene(source: Any) -> Scene:
     if isinstance(source, Scene):
         return source
+    if isinstance(source, Volume):
+        return Scene(up=up_direction("z"), name=source.name, volumes=[source])
     if isinstance(source, np.ndarray) and type(source).__module__ == "numpy":
         return Scene.from_points(source)
     if isinstance(source, str | Path):
@@ -43,7 +46,7 @@ def _scene(source: Any) -> Scene:
 
         return from_trimesh(source)
     raise SceneError(
-        f"cannot draw a {type(source).__name__}; expected a path, Scene, trimesh.Trimesh, trimesh.Scene, pyrender.Scene or points (n, 3)"
+        f"cannot draw a {type(source).__name__}; expected a path, Scene, Volume, trimesh.Trimesh, trimesh.Scene, pyrender.Scene or points (n, 3)"
     )
 
 

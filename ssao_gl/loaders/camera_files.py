@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -64,14 +65,26 @@ def load_camera(spec: str, size: Size | None = None) -> Camera:
     )
 
 
-def file_assembly(path: Path) -> str | None:
-    """Return the assembly that a molecule's camera file was made for, its ``"assembly"``; None where it names none."""
+@dataclass(frozen=True, slots=True)
+class Aims:
+    """What the cameras of a file are aimed at, where the scene leaves a choice: a molecule's assembly, a volume's level."""
+
+    assembly: str | None = None
+    iso: float | None = None
+
+
+def read_aims(path: Path) -> Aims:
+    """Return ``assembly`` and ``iso`` of a camera file of ours; nothing where there is no such file, or no such field."""
     try:
-        content = json.loads(path.read_text("utf-8"))
+        content = json.loads(path.read_text("utf-8")) if path.is_file() and path.stat().st_size <= MAX_BYTES else {}
     except (OSError, ValueError, RecursionError):
-        return None  # what is wrong with it is said where its cameras are read
-    named = content.get("assembly") if isinstance(content, dict) else None
-    return named if isinstance(named, str) else None
+        return Aims()  # reading its cameras says what is wrong
+    table = content if isinstance(content, dict) else {}
+    assembly, iso = table.get("assembly"), table.get("iso")
+    return Aims(
+        str(assembly) if isinstance(assembly, str | int) else None,
+        float(iso) if isinstance(iso, int | float) and not isinstance(iso, bool) else None,
+    )
 
 
 def _from_json(path: Path, size: Size | None) -> list[Camera]:

@@ -19,8 +19,9 @@ from ..scene.model import Scene
 from .finished import finished
 from .molecules import molecule_kind, read_molecule
 from .notes import Notes
-from .read_options import MoleculeOptions, ReadOptions
+from .read_options import MoleculeOptions, ReadOptions, VolumeOptions
 from .up_axis import up_direction
+from .volume_files import VOLUMES, is_volume, read_volume
 from .xyz_spheres import read_xyz_spheres
 
 LARGE = 10**5
@@ -36,20 +37,27 @@ def load_scene(
     time: float = 0.0,
     point_size: float | None = None,
     molecule: MoleculeOptions | None = None,
+    volume: VolumeOptions | None = None,
 ) -> Scene:
-    """Read a scene file: meshes (GLB, glTF, OBJ, PLY, STL, OFF ...) or a molecule (PDB, mmCIF; also .gz).
+    """Read a scene file: meshes (GLB, glTF, OBJ, PLY, STL, OFF ...), a molecule (PDB, mmCIF; also .gz) or a volume (NRRD, NIfTI).
 
     Nothing outside its folder is read, nothing is fetched.
 
     crease: faces of meshes without normals that meet at more than this angle (radians) keep a sharp edge; 0 shades flat.
     up: which axis of the file points upwards for automatic cameras, x, y, z, or auto by format. animation, time: an animation
     of a glTF file by name or number, and a moment of it in seconds; None for the file's rest pose. point_size: diameter of
-    points in scene units, None for one that closes their surface. molecule: how one is read, if it is one. What is dropped or
-    guessed is logged once, and kept in ``Scene.warnings``. Raises SceneError, in one line, for anything that cannot be read or drawn.
+    points in scene units, None for one that closes their surface. molecule, volume: how one is read, if it is one. What is
+    dropped or guessed is logged once, and kept in ``Scene.warnings``. Raises SceneError, in one line, for anything that cannot
+    be read or drawn.
     """
     path, notes = Path(path), Notes()
     options = ReadOptions(
-        crease=crease, animation=animation, time=time, point_size=point_size, molecule=molecule or MoleculeOptions()
+        crease=crease,
+        animation=animation,
+        time=time,
+        point_size=point_size,
+        molecule=molecule or MoleculeOptions(),
+        volume=volume or VolumeOptions(),
     )
     with reading(path):
         scene = _read(path, up, options, notes)
@@ -76,11 +84,18 @@ def reading(path: Path) -> Iterator[None]:
     except BaseException as error:  # the readers raise whatever a broken file leads them into
         brief = one_line(error, 200) or "its data contradict each other"
         raise SceneError(
-            f"{path}: not a readable mesh file ({type(error).__name__}: {brief}); is it truncated or broken?"
+            f"{path}: not a readable {'volume' if is_volume(path.name) else 'mesh'} file ({type(error).__name__}: {brief}); is it truncated or broken?"
         ) from error
 
 
 def _read(path: Path, up: str, options: ReadOptions, notes: Notes) -> Scene:
+    if is_volume(path.name):
+        if options.animation is not None:
+            raise SceneError(f"has no animations, as no volume has; leave out '{options.animation}'")
+        volume = read_volume(path, options.volume, notes)
+        return finished(Scene(up=up_direction(up, "volume"), name=encodable(path.name), volumes=[volume]), notes)
+    if options.volume != VolumeOptions():
+        raise SceneError(f"is no volume: iso levels, transfer functions and frames are for {', '.join(VOLUMES)} files")
     kind, spheres = molecule_kind(path.name), []
     if kind is not None:
         spheres = [*read_molecule(path, kind, options.molecule, notes)]

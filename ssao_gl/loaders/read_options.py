@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from ..errors import SceneError
+from ..scene.transfer import Transfer
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +31,19 @@ class MoleculeOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
+class VolumeOptions:
+    """What is seen of a volume, and which one of a series is read.
+
+    iso: level of the iso-surface, in units of the data. transfer: a transfer function instead; with neither the level is Otsu's.
+    frame: number of the volume, None for the only one.
+    """
+
+    iso: float | None = None
+    transfer: Transfer | None = None
+    frame: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class ReadOptions:
     """See :func:`ssao_gl.load_scene`."""
 
@@ -38,6 +52,7 @@ class ReadOptions:
     time: float = 0.0
     point_size: float | None = None
     molecule: MoleculeOptions = field(default_factory=MoleculeOptions)
+    volume: VolumeOptions = field(default_factory=VolumeOptions)
 
     @property
     def point_radius(self) -> float | None:

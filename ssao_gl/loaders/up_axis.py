@@ -8,7 +8,7 @@ from ..errors import SceneError
 
 Direction = tuple[float, float, float]
 
-Z_UP = frozenset({"stl", "stl_ascii", "3mf", "ply", "off", "xyz"})
+Z_UP = frozenset({"stl", "stl_ascii", "3mf", "ply", "off", "xyz", "volume"})
 """Formats in which z is usually up; in all others y is."""
 AXES: Mapping[str, Direction] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 

@@ -11,6 +11,7 @@ from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, LAYER_2_MASK, NORMAL, SCE
 SHADERS = {
     "mesh": ("gbuffer.vert", "gbuffer.frag"),
     "spheres": ("spheres.vert", "spheres.frag"),
+    "volume": ("fullscreen.vert", "volume.frag"),
 }
 """Vertex and fragment shader by kind of thing; what they write is in ``lib/surface.glsl``."""
 NOTHING = (0.0, 0.0, 0.0, 0.0)

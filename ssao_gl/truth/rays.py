@@ -16,13 +16,16 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..scene.model import Mesh, Scene
 from ..scene.spheres import Spheres
+from ..scene.volume import Volume
 from .blockers import F32, F64, Blockers, Hits
 from .spheres import SPHERE_BYTES, SphereBlockers
 from .triangles import TRIANGLE_BYTES, TriangleBlockers
+from .volumes import VOXEL_BYTES, VolumeBlockers
 
 KINDS: Mapping[type, Callable[[Sequence[tuple[Any, F64]], str], Blockers]] = {
     Mesh: TriangleBlockers,
     Spheres: SphereBlockers,
+    Volume: VolumeBlockers,
 }
 """Things of a scene -> what makes blockers of them and of matrices (3, 4) that place them in local coordinates."""
 
@@ -76,7 +79,8 @@ class RayScene:
 def tree_bytes(scene: Scene) -> int:
     """Return the memory that a scene's blockers take, as far as it is known beforehand."""
     spheres = sum(thing.piece_count * len(thing.transforms) for thing in scene.drawn if isinstance(thing, Spheres))
-    return scene.triangles * TRIANGLE_BYTES + spheres * SPHERE_BYTES
+    voxels = sum(volume.field.size for volume in scene.volumes)
+    return scene.triangles * TRIANGLE_BYTES + spheres * SPHERE_BYTES + voxels * VOXEL_BYTES
 
 
 def _nearest(every: Sequence[Hits]) -> Hits:

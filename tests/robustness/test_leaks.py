@@ -18,6 +18,7 @@ from ssao_gl.errors import ShaderError, SsaoError
 
 from .. import shapes
 from ..guest_program import alive
+from ..volumes import ball, slab
 
 SIZE = (16, 12)
 CAMERA = ao.Camera.perspective(0.9, 0.1, 40.0)
@@ -42,6 +43,20 @@ def rendered(renderer: ao.Renderer) -> Frame:
     return frame
 
 
+def rays_through_voxels(renderer: ao.Renderer) -> Frame:
+    """Volumes that change: 3-D textures, and tables of transfer functions."""
+    scenes = [ao.as_scene(ball(1.0, 12)), ao.as_scene(slab(0.9, n=12))]
+    cameras = [scene.default_camera(SIZE) for scene in scenes]
+
+    def frame(number: int) -> Any:
+        which = number // 10 % 2
+        if number % 10 == 0:
+            scenes[0] = ao.as_scene(ball(1.0, 12))
+        return renderer.render(scenes[which], cameras[which], SIZE, SETTINGS[0]).image
+
+    return frame
+
+
 def applied(renderer: ao.Renderer) -> Frame:
     return lambda number: renderer.apply(DEPTH, CAMERA, color=COLOR, settings=SETTINGS[number // 10 % 2]).image
 
@@ -61,7 +76,7 @@ def embedded(renderer: ao.Renderer) -> Frame:
     return frame
 
 
-WAYS = {"render": rendered, "apply": applied, "effect": embedded}
+WAYS = {"render": rendered, "volumes": rays_through_voxels, "apply": applied, "effect": embedded}
 
 
 def resident() -> int:

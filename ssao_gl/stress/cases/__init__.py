@@ -14,6 +14,7 @@ from . import (
     spheres,
     surfaces,
     texels,
+    volumes,
 )
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "meshes",
     "odd_scenes",
     "spheres",
+    "volumes",
     "invariances",
     "images",
     "absent",
