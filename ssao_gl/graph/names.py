@@ -34,6 +34,11 @@ RESIDUAL, RESIDUAL_X, RESIDUAL_Y = "residual", "residual_x", "residual_y"
 BENT_NORMAL = "bent_normal"
 IMAGE = "image"
 
+DEPTH_RANGE = "depth_range"
+"""One texel: the range of inverse depth over the image."""
+DEPTH_TABLE = "depth_table"
+"""Summed-area table of inverse depth and coverage, at a smaller size."""
+
 SCENE_MASK = "scene_mask"
 """Depth buffer that tells what is not background."""
 SHADE_MASK = "shade_mask"

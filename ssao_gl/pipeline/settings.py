@@ -166,6 +166,12 @@ def drawn_scale(settings: Settings) -> int:
     return settings.method.traits.scale if settings.blur is None or settings.blur.traits.scales else 1
 
 
+def drawn_filter(settings: Settings) -> Filter | None:
+    """Return the filter that is drawn: one whose width follows the noise has nothing to do where there is none."""
+    idle = settings.blur is not None and settings.blur.radius is None and not settings.method.traits.noise_tile
+    return None if idle else settings.blur
+
+
 def guard_band(method: Method, height: int) -> int:
     """Return the pixels that are drawn around an image of that height on each side, so that taps see what lies beside.
 

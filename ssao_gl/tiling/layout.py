@@ -247,7 +247,8 @@ def _slant(view: ViewConstants) -> float:
 
 def _step(method: Method) -> int:
     """Return what tiles are multiples of: ``TILE_STEP``, and the period of the method's noise."""
-    return math.lcm(TILE_STEP, method.traits.noise_tile * method.traits.scale)
+    traits = method.traits
+    return math.lcm(TILE_STEP, max(traits.noise_tile, 1) * traits.scale)
 
 
 def _up(value: int, step: int) -> int:
