@@ -10,6 +10,9 @@ from ..scene.projection import Size
 BLOCK = 8
 """Texels along each side of which one step of the reduction to the range of depth takes the extremes."""
 
+TABLE_SCALE = 4
+"""Pixels of the image to a texel, along each side, where no method wants another."""
+
 STEP = 4
 """How many texels a step of the table adds up."""
 

@@ -17,6 +17,7 @@ from ..graph.names import (
     GIVEN_NORMAL,
     GIVEN_VISIBILITY,
     IMAGE,
+    IMAGE_WITHOUT_HALO,
     REFINE_MASK,
     SCENE_MASK,
     SHADE_MASK,
@@ -31,8 +32,9 @@ from ..methods.traits import CAMERAS
 from ..passes.composite import composite
 from ..passes.culling import shade_mask
 from ..passes.denoise import Filter, FilterJob, FilterTraits
-from ..passes.depth_table import depth_table
+from ..passes.depth_table import TABLE_SCALE, depth_table
 from ..passes.gbuffer import gbuffer, layer_behind
+from ..passes.halo import halo
 from ..passes.occlusion import occlude, refine_missed
 from ..passes.prepare import depth_over_far, encode_normals, linearize, pack_visibility, reconstruct_normals
 from ..passes.resolution import downsample, upsample, upsample_by_depth
@@ -67,7 +69,7 @@ def plan_render(
         layer_behind(),
         *_depth_table(settings, size),
         *corrected(settings, _visibility(settings, culling, bent=bent), culling.mask),
-        composite(settings.shading.ambient, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
+        *_image(settings, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
     ]
     return compile(_at(settings.precision, passes, fine), size, aov_resources(aovs), notes=_notes(settings, culling))
 
@@ -108,7 +110,7 @@ def plan_apply(
         encode_normals() if normals else reconstruct_normals(),
         *_depth_table(settings, size),
         *_visibility(settings, culling, bent=bent),
-        composite(settings.shading.ambient, (0.0, 0.0, 0.0, 1.0), direct=False),
+        *_image(settings, (0.0, 0.0, 0.0, 1.0), direct=False),
     ]
     inputs = [GIVEN_DEPTH, *([GIVEN_NORMAL] if normals else []), *([COLOR] if IMAGE in outputs else [])]
     return compile(_at(settings.precision, passes, fine), size, list(outputs), inputs, notes)
@@ -136,8 +138,24 @@ def _visibility(settings: Settings, culling: CullingPlan, *, bent: bool) -> list
 
 
 def _depth_table(settings: Settings, size: Size) -> list[Pass]:
-    """Return the passes to the table that a method reads, at the size at which it is drawn."""
-    return depth_table(size, drawn_scale(settings)) if "depth_table" in settings.method.traits.inputs else []
+    """Return the passes to the table that a method or halos read."""
+    wanted = "depth_table" in settings.method.traits.inputs or settings.shading.halo > 0
+    return depth_table(size, _table_scale(settings)) if wanted else []
+
+
+def _table_scale(settings: Settings) -> int:
+    """Return the pixels to a texel of the depth table: as many as the method has that reads it."""
+    return drawn_scale(settings) if "depth_table" in settings.method.traits.inputs else TABLE_SCALE
+
+
+def _image(settings: Settings, background: Sequence[float], *, direct: bool, test: DepthTest | None = None) -> list[Pass]:
+    """Return the passes to the image: light, and halos where they are asked for."""
+    shading = settings.shading
+    if not shading.halo:
+        return [composite(shading.ambient, background, direct=direct, test=test)]
+    scale, radius = _table_scale(settings), settings.method.radius
+    plain = composite(shading.ambient, background, direct=direct, test=test, result=IMAGE_WITHOUT_HALO)
+    return [plain, *halo(shading.halo_rgba, shading.halo, shading.halo_width, radius, scale)]
 
 
 def _at_full_size(settings: Settings, culling: CullingPlan, *, bent: bool) -> list[Pass]:
