@@ -9,7 +9,7 @@ from ..graph.draws import Fullscreen, Uniform, ViewValue
 from ..graph.names import DEPTH, DEPTH_RANGE, DEPTH_TABLE, HALO_MEANS, IMAGE, IMAGE_WITHOUT_HALO
 
 
-def halo(color: Sequence[float], strength: float, width: float, radius: float, scale: int) -> list[Pass]:
+def paint_halo(color: Sequence[float], strength: float, width: float, radius: float, scale: int) -> list[Pass]:
     """Draw the image with halos. Luft, Colditz, Deussen, "Image Enhancement by Unsharp Masking the Depth Buffer", SIGGRAPH 2006.
 
     color: sRGB in 0..1. width: of the halo, as a share of the image's height. radius: scene units, in

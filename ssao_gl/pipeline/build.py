@@ -34,7 +34,7 @@ from ..passes.culling import shade_mask
 from ..passes.denoise import Filter, FilterJob, FilterTraits
 from ..passes.depth_table import TABLE_SCALE, depth_table
 from ..passes.gbuffer import gbuffer, layer_behind
-from ..passes.halo import halo
+from ..passes.halo import paint_halo
 from ..passes.occlusion import occlude, refine_missed
 from ..passes.prepare import depth_over_far, encode_normals, linearize, pack_visibility, reconstruct_normals
 from ..passes.resolution import downsample, upsample, upsample_by_depth
@@ -155,7 +155,7 @@ def _image(settings: Settings, background: Sequence[float], *, direct: bool, tes
         return [composite(shading.ambient, background, direct=direct, test=test)]
     scale, radius = _table_scale(settings), settings.method.radius
     plain = composite(shading.ambient, background, direct=direct, test=test, result=IMAGE_WITHOUT_HALO)
-    return [plain, *halo(shading.halo_rgba, shading.halo, shading.halo_width, radius, scale)]
+    return [plain, *paint_halo(shading.halo_rgba, shading.halo, shading.halo_width, radius, scale)]
 
 
 def _at_full_size(settings: Settings, culling: CullingPlan, *, bent: bool) -> list[Pass]:
