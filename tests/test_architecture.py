@@ -175,6 +175,7 @@ def test_traits_tell_what_is_read(name: str) -> None:
     inputs = {
         names.DEPTH: "depth", names.PIXEL_DEPTH: "depth", names.DEPTH_OVER_FAR: "depth", names.NORMAL: "normal",
         names.PIXEL_NORMAL: "normal", names.DEPTH_LAYER_2: "second_layer",
+        names.DEPTH_RANGE: "depth_table", names.DEPTH_TABLE: "depth_table",
     }  # fmt: skip
     for preset in ({}, *kind.presets.values()):
         method = kind(**preset)
@@ -182,4 +183,4 @@ def test_traits_tell_what_is_read(name: str) -> None:
         assert {inputs[resource] for resource in method.samplers.values()} == traits.inputs <= set(INPUTS)
         assert traits.outputs <= set(OUTPUTS) and traits.cameras <= set(CAMERAS)
         assert traits.taps_setting is None or hasattr(method, traits.taps_setting)
-        assert traits.noise_tile >= 1 and traits.scale >= 1 and traits.guard_band >= 0
+        assert traits.noise_tile >= 0 and traits.scale >= 1 and traits.guard_band >= 0

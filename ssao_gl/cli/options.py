@@ -83,6 +83,11 @@ class LookOptions:
     keep_all: Annotated[
         bool, Parameter(name="--keep-all", group=RARE, help="Leave nothing out.", negative="", show_default=False)
     ] = False
+    halo: Annotated[
+        float | None,
+        _option("Halo around what is in front of something else: its strength, 0 to 1. [default: none]", rare=True),
+    ] = None
+    halo_color: Annotated[str | None, _option("Of --halo: #rrggbb, white or black. [default: black]", rare=True)] = None
     config: Annotated[Path | None, _option("TOML file with settings. [default: none]")] = None
     dump_config: Annotated[
         Path | None,
@@ -99,7 +104,7 @@ class LookOptions:
             method_name=self.method,
             preset_name=self.preset,
             blur_name=self.blur,
-            assignments=self.set,
+            assignments=(*self.set, *self._halo()),
             overrides={"samples": self.samples},
             keep=["all"] if self.keep_all else self.keep,
             rays=None if self.rays is None else as_rays(self.rays),
@@ -111,6 +116,11 @@ class LookOptions:
         if share is not None and settings.method.traits.radius_unit == "scene units":
             radius = "auto"  # until the scene is known: settled() does it
         return dataclasses.replace(settings, method=assign(settings.method, {"radius": radius}))
+
+    def _halo(self) -> list[str]:
+        """Return the assignments that ``--halo`` and ``--halo-color`` stand for."""
+        given = {"shading.halo": self.halo, "shading.halo_color": self.halo_color}
+        return [f"{key}={value}" for key, value in given.items() if value is not None]
 
     def dump(self, settings: Settings, drawn: Mapping[str, Any] | None = None) -> None:
         """Write what ``--dump-config`` asks for. ``drawn``: the table of settings that were chosen for a target. Raises FormatError."""

@@ -21,6 +21,10 @@ EXAMPLES: Mapping[str, Mapping[str, preprocess.Define]] = {
     "downsample.frag": {"TARGETS": 2, "SCALE": 2, "PIXELS": 4},
     "block_bounds.frag": {"TARGETS": 2, "BLOCK": 16, "BELOW": 17},
     "open_blocks.frag": {"BLOCK": 16},
+    "depth_range.frag": {"BLOCK": 8, "SCALE": 4},
+    "depth_table.frag": {"TARGETS": 1, "SCALE": 4, "STRIDE_X": 1, "STRIDE_Y": 0, "FIRST": 1},
+    "upsample_depth.frag": {"PACKED": 1, "PINHOLE": 1},
+    "halo.frag": {"SCALE": 4},
     "denoise_intensity.frag": {"PACKED": 1, "RADIUS": 4, "WIDTH": 4, "HEIGHT": 4, "LAST": 1},
 }
 """Defines that a shader cannot do without, as the default settings give them."""

@@ -10,8 +10,8 @@ from ..graph.names import BENT_NORMAL, VISIBILITY
 if TYPE_CHECKING:
     from .base import Method
 
-INPUTS = ("depth", "normal", "second_layer", "history", "scene", "prepared")
-"""What a method may need. depth, normal: of what is seen. second_layer: depth of what lies behind it. history: what the last
+INPUTS = ("depth", "normal", "depth_table", "second_layer", "history", "scene", "prepared")
+"""What a method may need. depth, normal: of what is seen. depth_table: sums of inverse depth. second_layer: depth of what lies behind it. history: what the last
 frame left. scene: the triangles themselves. prepared: data made once from the scene. The last four come from a renderer that
 has the scene; arrays and effects have none."""
 
@@ -40,7 +40,7 @@ class Traits:
     scale: int = 1
     """Pixels of the image along each side of a pixel for which occlusion is drawn."""
     noise_tile: int = 4
-    """Period of its noise, in pixels of the size at which it is drawn. What a filter averages away."""
+    """Period of its noise, in pixels of the size at which it is drawn. What a filter averages away; 0: there is none."""
     guard_band: float = 0.0
     """What is drawn around the image so that taps see what lies beside, as a share of its height."""
     unguarded: Method | None = None

@@ -23,6 +23,9 @@ EDGE = 30.0
 """Depths that differ by more, in the size of a pixel, are of two surfaces, which take turns. Elsewhere the same pixel is kept
 everywhere: an even grid is what interpolation is exact on."""
 
+SAME = 0.25
+"""Radii of difference in depth up to which a texel shows the pixel's surface, where there is no normal to tell."""
+
 
 def downsample(scale: int, *, open_blocks: bool) -> Pass:
     """Keep depth and normal of one pixel of each ``scale`` x ``scale``, and tell which of them there is to shade."""
@@ -62,3 +65,14 @@ def upsample(
     if refine_below:  # a pass that writes depth cannot be tested against another
         return Pass("upsample", "upsample", draw, writes, depth=REFINE_MASK, clear=(1.0,) * 4)
     return Pass("upsample", "upsample", draw, writes, test=mask, clear=(1.0,) * 4)
+
+
+def upsample_by_depth(source: str, scale: int, radius: float, mask: DepthTest | None) -> Pass:
+    """Bring ``source`` (packed, small, of the first of each block's pixels) to the size of the image by depth alone.
+
+    Texels count in full up to ``SAME`` of the ``radius`` before or behind the pixel.
+    """
+    samplers = {"u_packed": source, "u_z": DEPTH}
+    uniforms: dict[str, Uniform] = {"u_small_scale": float(scale), "u_per_depth": 1 / (SAME * radius)}
+    draw = Fullscreen("upsample_depth.frag", samplers, uniforms, defines={"PACKED": 1})
+    return Pass("upsample", "upsample", draw, {VISIBILITY: Texture("r8")}, test=mask, clear=(1.0,) * 4)

@@ -17,6 +17,7 @@ from ..graph.names import (
     GIVEN_NORMAL,
     GIVEN_VISIBILITY,
     IMAGE,
+    IMAGE_WITHOUT_HALO,
     REFINE_MASK,
     SCENE_MASK,
     SHADE_MASK,
@@ -26,19 +27,22 @@ from ..graph.names import (
     VISIBILITY_UPSAMPLED,
 )  # fmt: skip
 from ..graph.plan import Plan
+from ..methods.base import Method
 from ..methods.traits import CAMERAS
 from ..passes.composite import composite
 from ..passes.culling import shade_mask
 from ..passes.denoise import Filter, FilterJob, FilterTraits
+from ..passes.depth_table import TABLE_SCALE, depth_table
 from ..passes.gbuffer import gbuffer, layer_behind
+from ..passes.halo import paint_halo
 from ..passes.occlusion import occlude, refine_missed
 from ..passes.prepare import depth_over_far, encode_normals, linearize, pack_visibility, reconstruct_normals
-from ..passes.resolution import downsample, upsample
+from ..passes.resolution import downsample, upsample, upsample_by_depth
 from ..scene.projection import Size, ViewConstants
 from .culling import CullingPlan, plan_culling
 from .outputs import aov_resources
 from .residual import check_no_rays, corrected
-from .settings import PRECISIONS, Settings, drawn_scale
+from .settings import PRECISIONS, Settings, drawn_filter, drawn_scale
 
 WHITE = (1.0, 1.0, 1.0)
 """Base colour where there is no surface."""
@@ -63,8 +67,9 @@ def plan_render(
     passes = [
         gbuffer(WHITE, geometric=flat),
         layer_behind(traits.layer_gap * (settings.method.radius or 0.0), traits.layer_scale),
+        *_depth_table(settings, size),
         *corrected(settings, _visibility(settings, culling, bent=bent), culling.mask),
-        composite(settings.shading.ambient, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
+        *_image(settings, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
     ]
     return compile(_at(settings.precision, passes, fine), size, aov_resources(aovs), notes=_notes(settings, culling))
 
@@ -109,8 +114,9 @@ def plan_apply(
     passes = [
         linearize(window=depth == WINDOW_DEPTH, mask=culling.mask is not None),
         encode_normals() if normals else reconstruct_normals(),
+        *_depth_table(settings, size),
         *_visibility(settings, culling, bent=bent),
-        composite(settings.shading.ambient, (0.0, 0.0, 0.0, 1.0), direct=False),
+        *_image(settings, (0.0, 0.0, 0.0, 1.0), direct=False),
     ]
     inputs = [GIVEN_DEPTH, *([GIVEN_NORMAL] if normals else []), *([COLOR] if IMAGE in outputs else [])]
     return compile(_at(settings.precision, passes, fine), size, list(outputs), inputs, notes)
@@ -132,11 +138,34 @@ def _visibility(settings: Settings, culling: CullingPlan, *, bent: bool) -> list
     scale = drawn_scale(settings)
     if scale == 1:
         return _at_full_size(settings, culling, bent=bent)
+    if drawn_filter(settings) is None and "depth_table" in settings.method.traits.inputs:
+        return _by_depth_alone(settings.method, culling, scale)
     return _at_smaller_size(settings, culling, scale, bent=bent)
 
 
+def _depth_table(settings: Settings, size: Size) -> list[Pass]:
+    """Return the passes to the table that a method or halos read."""
+    wanted = "depth_table" in settings.method.traits.inputs or settings.shading.halo > 0
+    return depth_table(size, _table_scale(settings)) if wanted else []
+
+
+def _table_scale(settings: Settings) -> int:
+    """Return the pixels to a texel of the depth table: as many as the method has that reads it."""
+    return drawn_scale(settings) if "depth_table" in settings.method.traits.inputs else TABLE_SCALE
+
+
+def _image(settings: Settings, background: Sequence[float], *, direct: bool, test: DepthTest | None = None) -> list[Pass]:
+    """Return the passes to the image: light, and halos where they are asked for."""
+    shading = settings.shading
+    if not shading.halo:
+        return [composite(shading.ambient, background, direct=direct, test=test)]
+    scale, radius = _table_scale(settings), settings.method.radius
+    plain = composite(shading.ambient, background, direct=direct, test=test, result=IMAGE_WITHOUT_HALO)
+    return [plain, *paint_halo(shading.halo_rgba, shading.halo, shading.halo_width, radius, scale)]
+
+
 def _at_full_size(settings: Settings, culling: CullingPlan, *, bent: bool) -> list[Pass]:
-    method, blur, mask = settings.method, settings.blur, culling.mask
+    method, blur, mask = settings.method, drawn_filter(settings), culling.mask
     packed = blur is not None
     unshaded = VISIBILITY_UNSHADED if culling.blocks else None
     test = DepthTest(SHADE_MASK) if unshaded else mask
@@ -151,7 +180,7 @@ def _at_full_size(settings: Settings, culling: CullingPlan, *, bent: bool) -> li
 
 
 def _at_smaller_size(settings: Settings, culling: CullingPlan, scale: int, *, bent: bool) -> list[Pass]:
-    method, blur = settings.method, settings.blur
+    method, blur = settings.method, drawn_filter(settings)
     unshaded = VISIBILITY_UNSHADED if culling.blocks else None
     masked = culling.background or unshaded is not None
     shaded = DepthTest(SHADE_MASK) if masked else None
@@ -167,6 +196,12 @@ def _at_smaller_size(settings: Settings, culling: CullingPlan, scale: int, *, be
         upsample(job.result if blur else VISIBILITY_RAW, scale, tolerance, culling.mask, refine_below, bent=bent),
         *([refine_missed(method, REFINE_MASK)] if refine_below else []),
     ]
+
+
+def _by_depth_alone(method: Method, culling: CullingPlan, scale: int) -> list[Pass]:
+    """Return the passes of a method that reads the first of each ``scale`` x ``scale`` pixels, and no normals."""
+    drawn = occlude(method, packed=True, scale=scale)
+    return [drawn, upsample_by_depth(VISIBILITY_RAW, scale, method.radius, culling.mask)]
 
 
 def _check_bent(settings: Settings) -> None:
@@ -196,4 +231,5 @@ def _at(precision: str, passes: Sequence[Pass], fine: bool) -> list[Pass]:
 
 def _notes(settings: Settings, culling: CullingPlan) -> dict[str, str]:
     """Return reasons for what is not in the graph at all, by the names of passes."""
-    return ({} if settings.blur else {"blur": "switched off"}) | ({"open blocks": culling.why} if culling.why else {})
+    unfiltered = "switched off" if settings.blur is None else f"{settings.method.name} has no noise"
+    return ({} if drawn_filter(settings) else {"blur": unfiltered}) | ({"open blocks": culling.why} if culling.why else {})

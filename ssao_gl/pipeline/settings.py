@@ -44,23 +44,25 @@ class Shading:
         None,
         "sRGB behind the scene in the image: #rrggbb, #rrggbbaa, white, black, transparent; auto: the scene's own, else a grey blue",
     )
+    halo: float = setting(0.0, "strength of the halo around what is in front of something else", low=0, high=1)
+    halo_color: str = setting("black", "sRGB of the halo: #rrggbb, white, black")
+    halo_width: float = setting(0.02, "of the halo", unit="share of the image's height", above=0, high=1)
 
     def __post_init__(self) -> None:
         validate(self)
-        if self.background is not None and not HEX.fullmatch(BACKGROUNDS.get(self.background, self.background)):
-            names = ", ".join(BACKGROUNDS)
-            raise SettingsError(
-                f"shading.background='{self.background}': must look like #rrggbb or #rrggbbaa, or be one of {names}"
-                + near_miss(self.background, BACKGROUNDS)
-            )
+        if self.background is not None:
+            _check_color("shading.background", self.background, BACKGROUNDS)
+        _check_color("shading.halo_color", self.halo_color, {name: BACKGROUNDS[name] for name in ("white", "black")})
 
     @property
     def background_rgba(self) -> tuple[float, float, float, float]:
         """Return sRGB and alpha in 0..1; a calm grey blue where nothing was chosen."""
-        name = self.background or CALM
-        digits = BACKGROUNDS.get(name, name)[1:].ljust(8, "f")
-        r, g, b, a = (int(digits[i : i + 2], 16) / 255 for i in (0, 2, 4, 6))
-        return r, g, b, a
+        return _rgba(self.background or CALM)
+
+    @property
+    def halo_rgba(self) -> tuple[float, float, float, float]:
+        """Return sRGB and alpha in 0..1."""
+        return _rgba(self.halo_color)
 
     def before(self, own: Sequence[float] | None) -> Shading:
         """Return this shading with its background settled: the chosen one, a scene's ``own`` (sRGB and alpha in 0..1), or the calm one."""
@@ -68,6 +70,20 @@ class Shading:
             return self
         text = CALM if own is None else "#" + "".join(f"{round(255 * value):02x}" for value in own)
         return dataclasses.replace(self, background=text)
+
+
+def _check_color(field: str, value: str, names: Mapping[str, str]) -> None:
+    """Raise SettingsError for what is no colour."""
+    if not HEX.fullmatch(names.get(value, value)):
+        raise SettingsError(
+            f"{field}='{value}': must look like #rrggbb or #rrggbbaa, or be one of {', '.join(names)}" + near_miss(value, names)
+        )
+
+
+def _rgba(color: str) -> tuple[float, float, float, float]:
+    digits = BACKGROUNDS.get(color, color)[1:].ljust(8, "f")
+    r, g, b, a = (int(digits[i : i + 2], 16) / 255 for i in (0, 2, 4, 6))
+    return r, g, b, a
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,6 +180,12 @@ def drawn_scale(settings: Settings) -> int:
     1 under filters that work at full size alone.
     """
     return settings.method.traits.scale if settings.blur is None or settings.blur.traits.scales else 1
+
+
+def drawn_filter(settings: Settings) -> Filter | None:
+    """Return the filter that is drawn: one whose width follows the noise has nothing to do where there is none."""
+    idle = settings.blur is not None and settings.blur.radius is None and not settings.method.traits.noise_tile
+    return None if idle else settings.blur
 
 
 def guard_band(method: Method, height: int) -> int:

@@ -77,7 +77,7 @@ def of_arrays(
 ) -> PlanTarget:
     """Arrays that occlusion is applied to. Raises FormatError for shapes that do not fit."""
     depth, depth_kind = settled_depth(depth, depth_kind, camera)
-    if needs_upsampling(color, depth):
+    if needs_upsampling(color, depth, settings):
         color = None  # which is dimmed after the frame
     depth, color, normals = check_arrays(depth, color, normals)
     size = (depth.shape[1], depth.shape[0])

@@ -224,7 +224,7 @@ class Renderer:
             return draw(self, depth, camera, settings=settings, **given, aovs=aovs, timed=timed, checked=checked)
         aovs = aov_names(aovs)
         depth, depth_kind = settled_depth(depth, depth_kind, camera)
-        guide = color if needs_upsampling(color, depth) else None
+        guide = color if needs_upsampling(color, depth, settings) else None
         depth, color, normals = check_arrays(depth, None if guide is not None else color, normals)
         size = depth.shape[::-1]
         settings = settings or Settings()

@@ -8,17 +8,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SettingsError
 from ..io.srgb import dimmed
+from ..pipeline.settings import Settings
 from ..scene.joint_upsampling import JointUpsampling, check_upsampled
 
 
-def needs_upsampling(color: NDArray[Any] | None, depth: NDArray[Any]) -> bool:
-    """Return whether colour is larger than depth. Raises FormatError for sizes that do not go together."""
+def needs_upsampling(color: NDArray[Any] | None, depth: NDArray[Any], settings: Settings | None) -> bool:
+    """Return whether colour is larger than depth.
+
+    Raises FormatError for sizes that do not go together, SettingsError where halos are asked for.
+    """
     if color is None or np.ndim(color) != 3 or np.ndim(depth) != 2 or color.dtype != np.uint8 or color.shape[2] not in (3, 4):
         return False  # which the check of the arrays refuses
     if color.shape[:2] == depth.shape or color.shape[0] < depth.shape[0] or color.shape[1] < depth.shape[1]:
         return False
     check_upsampled(depth.shape[::-1], color.shape[1::-1])
+    if settings is not None and settings.shading.halo:
+        raise SettingsError("shading.halo: colour is larger than depth; halos need both of one size")
     return True
 
 

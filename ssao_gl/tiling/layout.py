@@ -202,7 +202,9 @@ def halo(scene: Scene, camera: Camera, size: Size, settings: Settings) -> int:
     # A filter without a width of its own takes the half of the noise tile.
     filtered = (settings.blur.radius or method.traits.noise_tile) if settings.blur else 0
     # Beyond both, the neighbours that upsampling and edges ask for; then the filter of rays, for what it corrects.
-    return math.ceil(min(taps, 1e9)) + (2 * filtered + 4) * method.traits.scale + residual_reach(settings)
+    reach = math.ceil(min(taps, 1e9)) + (2 * filtered + 4) * method.traits.scale + residual_reach(settings)
+    shading = settings.shading
+    return max(reach, math.ceil(shading.halo_width * size[1]) + 2 * TILE_STEP) if shading.halo else reach
 
 
 def unguarded(settings: Settings) -> Settings:
@@ -247,7 +249,8 @@ def _slant(view: ViewConstants) -> float:
 
 def _step(method: Method) -> int:
     """Return what tiles are multiples of: ``TILE_STEP``, and the period of the method's noise."""
-    return math.lcm(TILE_STEP, method.traits.noise_tile * method.traits.scale)
+    traits = method.traits
+    return math.lcm(TILE_STEP, max(traits.noise_tile, 1) * traits.scale)
 
 
 def _up(value: int, step: int) -> int:

@@ -30,8 +30,10 @@ CHANGED = {
     "sao": {"intensity": 0.5},
     "gtao": {"power": 1.0},
     "bitmask": {"scale": 1, "slices": 8},
+    "vom": {"scale": 2},
 }
-"""bitmask at full size and by enough slices that a sector is 1/255; the case ``default`` shows it at half. For a method that takes minutes on the slower software renderers as it is, and for two of such contrast that what renderers
+"""vom at half size, where a pixel on the edge of a triangle decides for 2x2 and not for 4x4. bitmask at full size and by enough
+slices that a sector is 1/255; the case ``default`` shows it at half. For a method that takes minutes on the slower software renderers as it is, and for two of such contrast that what renderers
 differ by at the edges of triangles (1.0 % of the values by more than 2/255) would be all that the picture tests."""
 
 

@@ -63,4 +63,3 @@ _never(
     41,
     "depth, normals and colour come from one draw; a second layer starts behind the first by more than its rounding",
 )
-_never("summed-areas", "Sums of depth over the image do not overflow", 43, "no method sums depth over an image")

@@ -8,6 +8,7 @@ from ...errors import ContextError
 from ...scene.camera import Camera
 from ..analytic_depth import cast, flat, room
 from ..case import case
+from ..outcomes import NotApplicable
 from ..runner import CaseRunner
 from ..shapes import lens
 from ..shot import Shot, share
@@ -54,6 +55,27 @@ def largest(lab: CaseRunner) -> float:
             seen = seen.T[:, ::-1]  # noise tiles are counted from the lower left
         worst = max(worst, share(seen[:, 64:128], seen[:, w - 128 : w - 64]))
     return worst
+
+
+@case(
+    "summed-areas",
+    GROUP,
+    "share of pixels off by over 1/255",
+    0.0,
+    traps=(43,),
+    why="sums may wrap; their differences are exact",
+)
+def summed(lab: CaseRunner) -> float:
+    """A pattern looks the same behind a million pixels at the near end of the range as behind few: sums of depth do not overflow."""
+    if "depth_table" not in lab.subject.method.traits.inputs:
+        raise NotApplicable("it does not sum depth over the image")
+    corners = []
+    for side in (160, 1120):
+        y, x = np.mgrid[:side, :side]
+        pattern = (y < 96) & (side - 1 - x < 96) & (((side - 1 - x) // 8 + y // 8) % 2 == 1)
+        seen = lab.apply(5 + 0.25 * pattern, Camera.orthographic(4.0 * side / 64, 0.0, 40.0), radius=0.5).visibility
+        corners.append(seen[16:80, -80:-16])  # the last that is summed up
+    return share(*corners)
 
 
 @case("too-large", GROUP, "1 when it is not refused", 0.0, traps=(22,), why="a refusal in words", once=True)
