@@ -85,7 +85,12 @@ void ssao_hide(SsaoSweep w, vec2 offset, float z, float side, float thickness, f
     bool slope = height * abs(height) > distance2 / 32.0 && abs(rise.y) < SSAO_STEEP * side * rise.x;
     bool rises = side * (front.x * rise.y - front.y * rise.x) > 0.0;
     // Over one radius all rays of sight are as good as parallel: the slab reaches straight away from the viewer.
-    float near = ssao_u(w.slice, slope && rises ? front + ahead * rise : front, side);
+    vec2 edge = slope && rises ? front + ahead * rise : front;
+#ifdef VEIL
+    // Where a ray as long as the radius stays in front of what is seen, it is known to be free: the veil is beside it.
+    edge.y = distance2 < 1.0 ? edge.y : min(edge.y, sqrt(max(1.0 - front.x * front.x, 0.0)));
+#endif
+    float near = ssao_u(w.slice, edge, side);
     float far = ssao_u(w.slice, front - vec2(0.0, thickness), side);
     uint bits = side > 0.0 ? ssao_bits(near, far) : ssao_bits(far, near);
     // At the border a tap may be the pixel itself, whose depth in a smaller target is not the same to the last bits.

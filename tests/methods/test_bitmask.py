@@ -95,11 +95,37 @@ def test_the_size_of_the_image_does_not_matter(any_renderer: ao.Renderer, embedd
 
 @pytest.mark.parametrize("preset", list(ao.Bitmask.presets))
 def test_no_halo_of_a_bar_far_before_a_wall(any_renderer: ao.Renderer, preset: str) -> None:
-    """Farther than the radius, and wider than a pixel of every target."""
-    bar = quad((0, 0, -3), (0.06, 0, 0), (0, 40, 0))
+    """Farther than the veil, and wider than a pixel of every target."""
+    bar = quad((0, 0, -1.9), (0.04, 0, 0), (0, 40, 0))
     picture = draw(any_renderer, Scene([*plane().meshes, bar]), camera(), (320, 180), preset, radius=1.0)
-    assert (np.abs(picture.depth - 3) < 1e-3).sum() > 180
+    assert (np.abs(picture.depth - 1.9) < 1e-3).sum() > 180
     assert picture.visibility.min() >= 1 - STEP
+
+
+@pytest.mark.parametrize("preset", list(ao.Bitmask.presets))
+def test_the_rim_of_what_may_hide_something_is_faint(any_renderer: ao.Renderer, preset: str) -> None:
+    """Twice the radius before a wall, where nothing hides anything: in the mean of the band within a radius around it."""
+    scene = Scene([quad((0, 0, -12), (30, 0, 0), (0, 30, 0)), quad((0, 0, -10), (1.5, 0, 0), (0, 40, 0))])
+    picture = draw(any_renderer, scene, camera(), (640, 360), preset, radius=1.0)
+    wall, aside = picture.depth > 11, np.abs(places(picture, camera())[..., 0])
+    edge = 1.5 * 12 / 10  # where the bar's edge is seen on the wall
+    band = wall & (aside < edge + 1)
+    assert band.sum() > 1000
+    assert 0 <= 1 - picture.visibility[band].mean() <= 6 / 255
+    assert picture.visibility[wall & (aside > edge + 1.1)].min() >= 1 - STEP
+
+
+def test_arrays_have_one_layer(renderer: ao.Renderer, embedded: Scene) -> None:
+    """Presets that look behind the first layer draw a depth image as if there were no more."""
+    cam, size = embedded.cameras[0], (160, 120)
+    depth = renderer.render(embedded, cam, size, aovs=("depth",)).depth
+    for name in ("high", "ultra"):
+        two = ao.Bitmask(**{**ao.Bitmask.presets[name], "radius": 0.5})
+        seen = [
+            renderer.apply(depth=depth, camera=cam, settings=ao.Settings(method=method)).visibility
+            for method in (two, dataclasses.replace(two, layers=1))
+        ]
+        assert seen[0].min() < 0.8 and np.array_equal(*seen)
 
 
 @pytest.mark.parametrize("preset", list(ao.Bitmask.presets))

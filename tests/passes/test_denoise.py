@@ -165,14 +165,22 @@ def test_joint_removes_the_noise_of_its_tile_from_any_plane(lens: str, tilt: flo
 
 
 def joint(v: np.ndarray, z: np.ndarray, n: np.ndarray, cam: ao.Camera, scale: int, axis: int) -> np.ndarray:
-    """One axis of the filter from its definition: a tap weighs by its distance from the pixel's tangent plane."""
+    """One axis of the filter from its definition: a tap weighs by its distance from the pixel's tangent plane.
+
+    As far as some tap does not lie in it, the filter is the one of half the width.
+    """
     places, size = points(z, cam, scale), tolerance(z, cam, ao.Joint().tolerance, scale)
-    total, norm = v.copy(), np.ones_like(v)
+    sums = {width: [v.copy(), np.ones_like(v)] for width in (2, 1)}
+    least = np.ones_like(v)
     for i in (-2, -1, 1, 2):
         q, tap, there = (np.roll(a, -i, 1 - axis) for a in (places, v, z > 0))
-        weight = matched(2)[abs(i)] * np.clip(2 - np.abs((n * (q - places)).sum(-1)) / size, 0, 1) * there
-        total, norm = total + weight * tap, norm + weight
-    return np.round(total / norm * 255) / 255
+        fits = np.clip(2 - np.abs((n * (q - places)).sum(-1)) / size, 0, 1) * there
+        least = np.minimum(least, fits)
+        for width, total in sums.items():
+            weight = matched(width)[abs(i)] if abs(i) <= width else 0
+            total[0], total[1] = total[0] + weight * fits * tap, total[1] + weight * fits
+    found = [least * wide + (1 - least) * narrow for wide, narrow in zip(sums[2], sums[1], strict=True)]
+    return np.round(found[0] / found[1] * 255) / 255
 
 
 def filtered(lens: str, scene: Scene, scale: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

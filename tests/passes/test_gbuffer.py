@@ -198,9 +198,9 @@ def test_look_from_inside_a_mesh(renderer: ao.Renderer, embedded: Scene) -> None
 TILTS = (0.0, 0.5, 1.3)
 
 
-def second_layer(renderer: ao.Renderer, scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Depths of the first layer and of the one behind it."""
-    settings = ao.Settings(method=ao.Bitmask(**{**ao.Bitmask.presets["ultra"], "radius": 0.5}), blur=None)
+def second_layer(renderer: ao.Renderer, scene: Scene, radius: float = 1e-6, scale: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Depths of the first layer and of the one behind it, by half a radius."""
+    settings = ao.Settings(method=ao.Bitmask(scale=1, layers=2, layer_scale=scale, radius=radius, guard=0), blur=None)
     first, second = (renderer.resource(scene, camera(), SIZE, settings, name) for name in (DEPTH, DEPTH_LAYER_2))
     assert first is not None and second is not None
     return first[..., 0], second[..., 0]
@@ -223,6 +223,33 @@ def test_a_second_layer_begins_right_behind_the_first(renderer: ao.Renderer, til
     there = (alone > 0) & (second > 0)
     assert there.sum() >= 0.9 * (alone > 0).sum() > 100
     np.testing.assert_allclose(second[there], first[there] * (1 + behind), rtol=1e-5 if behind < 0.01 else 1e-3)
+
+
+def test_a_second_layer_begins_half_a_radius_behind_the_first(renderer: ao.Renderer) -> None:
+    scene = Scene([sheet(0), sheet(0, 0.1)])  # half a unit behind
+    first, near = second_layer(renderer, scene, radius=0.9)
+    _, far = second_layer(renderer, scene, radius=1.1)
+    assert (first > 0).sum() > 100 and (near > 0).sum() > 100 and not far.any()
+
+
+@pytest.mark.parametrize("scale", [2, 4])
+@pytest.mark.parametrize("size", [SIZE, (SIZE[0] + 1, SIZE[1] - 1)])
+def test_a_smaller_second_layer_has_pixels_of_the_whole_one(
+    renderer: ao.Renderer, embedded: Scene, scale: int, size: tuple[int, int]
+) -> None:
+    """Each texel that of the pixel in its middle, whatever the size of the image."""
+    found = {}
+    for step in (1, scale):
+        settings = ao.Settings(method=ao.Bitmask(scale=1, layers=2, layer_scale=step, radius=0.1, guard=0), blur=None)
+        texels = renderer.resource(embedded, embedded.cameras[0], size, settings, DEPTH_LAYER_2)
+        assert texels is not None
+        found[step] = texels[..., 0]
+    rows, columns = (slice(scale // 2, None, scale) for _ in range(2))
+    whole = found[1][rows, columns]
+    small = found[scale][: whole.shape[0], : whole.shape[1]]
+    assert (whole > 0).sum() > 50
+    same = np.isclose(small, whole, rtol=1e-4)
+    assert same.mean() > 0.98, "but where an edge runs through the middle of a pixel"
 
 
 @pytest.mark.parametrize("tilt", TILTS)
