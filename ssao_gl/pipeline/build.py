@@ -23,6 +23,7 @@ from ..graph.names import (
     SHADE_MASK,
     VISIBILITY,
     VISIBILITY_RAW,
+    VISIBILITY_SCREEN,
     VISIBILITY_UNSHADED,
     VISIBILITY_UPSAMPLED,
 )  # fmt: skip
@@ -48,7 +49,7 @@ WHITE = (1.0, 1.0, 1.0)
 """Base colour where there is no surface."""
 WINDOW_DEPTH, EYE_DEPTH = "window", "eye"
 
-FINAL = (VISIBILITY, VISIBILITY_UPSAMPLED, VISIBILITY_UNSHADED)
+FINAL = (VISIBILITY, VISIBILITY_SCREEN, VISIBILITY_UPSAMPLED, VISIBILITY_UNSHADED)
 """Resources that hold the visibility of a frame at its end, one after the other in one texture."""
 
 

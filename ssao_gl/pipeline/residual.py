@@ -74,6 +74,6 @@ def _spread(share: float) -> Spread:
 
 def _of_the_screen(task: Pass) -> Pass:
     """Return a pass with visibility under the name of what the screen knows."""
-    return replace(
-        task, writes={VISIBILITY_SCREEN if name == VISIBILITY else name: target for name, target in task.writes.items()}
-    )
+    names = {VISIBILITY: VISIBILITY_SCREEN}
+    writes = {names.get(name, name): target for name, target in task.writes.items()}
+    return replace(task, writes=writes, over={names.get(name, name): under for name, under in task.over.items()})
