@@ -78,9 +78,10 @@ void main() {
 #repeat RADIUS ssao_tap(taps, uv, float(@ + 1), line, plane); ssao_tap(taps, uv, -float(@ + 1), line, plane);
     SsaoSum sum = taps.sum;
 #ifdef NARROW
-    sum.open = mix(taps.narrow.open, sum.open, taps.least);
+    LOW float flat_enough = min(2.0 * taps.least, 1.0);  // rounding of steep planes does not count
+    sum.open = mix(taps.narrow.open, sum.open, flat_enough);
 #ifdef BENT
-    sum.lost = mix(taps.narrow.lost, sum.lost, taps.least);
+    sum.lost = mix(taps.narrow.lost, sum.lost, flat_enough);
 #endif
 #endif
     float visibility = sum.open.x / sum.open.y;

@@ -93,7 +93,7 @@ def view_sums(renderer: Renderer, scene: Scene, camera: Camera, size: Size, meth
 def fit_shares(some: Iterable[ShareSums]) -> F64:
     """Return the shares (3,) of least squares. A veil that shows nowhere gets none."""
     some = list(some)
-    gram, with_truth = (np.sum([getattr(one, name) for one in some], 0) for name in ("gram", "with_truth"))
+    gram, with_truth = np.sum([one.gram for one in some], 0), np.sum([one.with_truth for one in some], 0)
     return np.asarray(np.linalg.lstsq(gram, with_truth, rcond=1e-9)[0]).clip(0, 1)
 
 

@@ -111,7 +111,7 @@ def test_the_rim_of_what_may_hide_something_is_faint(any_renderer: ao.Renderer, 
     edge = 1.5 * 12 / 10  # where the bar's edge is seen on the wall
     band = wall & (aside < edge + 1)
     assert band.sum() > 1000
-    assert 0 <= 1 - picture.visibility[band].mean() <= 6 / 255
+    assert 0 <= 1 - picture.visibility[band].mean() <= (8 if preset == "draft" else 6) / 255
     assert picture.visibility[wall & (aside > edge + 1.1)].min() >= 1 - STEP
 
 

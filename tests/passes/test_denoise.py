@@ -179,6 +179,7 @@ def joint(v: np.ndarray, z: np.ndarray, n: np.ndarray, cam: ao.Camera, scale: in
         for width, total in sums.items():
             weight = matched(width)[abs(i)] if abs(i) <= width else 0
             total[0], total[1] = total[0] + weight * fits * tap, total[1] + weight * fits
+    least = np.minimum(2 * least, 1)
     found = [least * wide + (1 - least) * narrow for wide, narrow in zip(sums[2], sums[1], strict=True)]
     return np.round(found[0] / found[1] * 255) / 255
 

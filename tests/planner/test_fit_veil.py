@@ -48,7 +48,7 @@ def test_data_say_how_they_were_made() -> None:
         fit = data["fits"][kind]
         assert fit["preset"] == name and fit["left_out"] < fit["of_slabs_alone"]
         assert ao.Bitmask(**ao.Bitmask.presets[name]).fitted == veil_fit(kind)
-        assert sum(fit[share] for share in SHARES) == pytest.approx(1, abs=0.02), "what all agree on is hidden in full"
+        assert sum(fit[share] for share in SHARES) == pytest.approx(1, abs=0.03), "what all agree on is hidden in full"
 
 
 def test_settings_overrule_fits_one_by_one() -> None:
