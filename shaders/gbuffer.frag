@@ -17,6 +17,14 @@ VARYING vec2 v_uv;
 #ifdef CUT
 uniform float u_cutoff;  // alpha below which there is no surface
 #endif
+#ifdef BAKED_VERTEX
+VARYING float v_baked;  // visibility
+#endif
+#ifdef BAKED_TEXTURE
+uniform sampler2D u_baked;      // visibility in red
+uniform float u_baked_strength;  // 0: all open, 1: as it is
+VARYING vec2 v_baked;
+#endif
 uniform vec4 u_color;  // base colour, sRGB; with a texture linear
 
 void main() {
@@ -24,6 +32,12 @@ void main() {
     if (ssao_hidden(-v_position.z)) discard;
 #endif
     ssao_write_depth(-v_position.z);
+#ifdef BAKED_VERTEX
+    ssao_write_baked(v_baked);
+#endif
+#ifdef BAKED_TEXTURE
+    ssao_write_baked(mix(1.0, SAMPLE(u_baked, v_baked).r, u_baked_strength));
+#endif
 #ifdef NORMAL
     // The side of the triangle that is seen, whatever its winding and whatever its normals say.
     vec3 face = cross(dFdx(v_position), dFdy(v_position));
@@ -43,11 +57,11 @@ void main() {
 #ifdef COLOR
 #if defined(TEXTURED)
     vec3 base = SAMPLE(u_texture, v_uv).rgb * u_color.rgb;
-#ifdef VERTEX_COLOR
+#if defined(VERTEX_COLOR) && !defined(BAKED_IN_COLOR)
     base *= ssao_srgb_to_linear(v_color.rgb);
 #endif
     vec3 color = ssao_linear_to_srgb(base);
-#elif defined(VERTEX_COLOR)
+#elif defined(VERTEX_COLOR) && !defined(BAKED_IN_COLOR)
     vec3 color = v_color.rgb * u_color.rgb;
 #else
     vec3 color = u_color.rgb;

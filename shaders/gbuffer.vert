@@ -19,6 +19,14 @@ VARYING vec4 v_color;
 ATTRIBUTE vec2 a_uv;
 VARYING vec2 v_uv;
 #endif
+#ifdef BAKED_VERTEX
+ATTRIBUTE float a_baked;
+VARYING float v_baked;
+#endif
+#ifdef BAKED_TEXTURE
+ATTRIBUTE vec2 a_baked;
+VARYING vec2 v_baked;
+#endif
 
 void main() {
     mat4 model_view = u_view * a_model;
@@ -35,5 +43,8 @@ void main() {
 #endif
 #ifdef TEXTURED
     v_uv = a_uv;
+#endif
+#if defined(BAKED_VERTEX) || defined(BAKED_TEXTURE)
+    v_baked = a_baked;
 #endif
 }

@@ -25,6 +25,9 @@ layout(location = SHADING_NORMAL_TARGET) out vec4 out_shading_normal;
 #ifdef COLOR
 layout(location = COLOR) out vec4 out_color;
 #endif
+#ifdef BAKED_TARGET
+layout(location = BAKED_TARGET) out vec4 out_baked;
+#endif
 
 #ifdef BEHIND
 // Where in the image the fragment lies, as uv: a texel of several pixels is drawn for the middle of one of them.
@@ -48,7 +51,15 @@ void ssao_write_depth(float z) {
 #ifdef DEPTH_TARGET
     out_z = vec4(z);
 #endif
+#ifdef BAKED_TARGET
+    out_baked = vec4(1.0);
+#endif
 }
+
+#ifdef BAKED_TARGET
+// Visibility that the surface keeps; after its depth, with which it is written as open.
+void ssao_write_baked(float visibility) { out_baked = vec4(visibility); }
+#endif
 
 // geometric: normal of the surface itself; n: for shading. Both unit, on the viewer's side.
 void ssao_write_normals(vec3 geometric, vec3 n) {

@@ -17,6 +17,7 @@ from ..scene.model import Scene
 from ..settings import as_table
 from ..truth.batches import Places, TraceProgress, gather_sums
 from ..truth.store import Store, store
+from .elements import Elements, visibility_by_elements
 from .settings import Baking
 
 VERSION = 1
@@ -39,7 +40,7 @@ class BakePlaces(Places, Protocol):
 
 @dataclass(frozen=True, eq=False)
 class TracedPlaces:
-    """Visibility (n,) of places, how many rays it took, and seconds; ``cached``: none of them was traced now."""
+    """Visibility (n,) of places, how many rays it took (0 by elements), and seconds; ``cached``: none of them was traced now."""
 
     visibility: NDArray[np.float64]
     rays: int
@@ -48,34 +49,47 @@ class TracedPlaces:
 
 
 def trace_places(
-    scene: Scene, places: BakePlaces, settings: Baking, cache: Path | None, progress: TraceProgress | None
+    scene: Scene,
+    places: BakePlaces,
+    settings: Baking,
+    cache: Path | None,
+    progress: TraceProgress | None,
+    disks: Elements | None = None,
 ) -> TracedPlaces:
-    """Trace places on the sides that count, and take the more open one of two."""
-    front = _one_side(scene, places, settings, cache, progress)
+    """Trace places on the sides that count, and take the more open one of two. ``disks``: of the scene, where these measure in the place of rays."""
+    front = _one_side(scene, places, settings, cache, progress, disks)
     which = places.double_sided if settings.sides == "auto" else np.full(len(places), settings.sides == "both")
     if not which.any():
         return front
-    back = _one_side(scene, places.backs(which), settings, cache, progress)
+    back = _one_side(scene, places.backs(which), settings, cache, progress, disks)
     visibility = front.visibility.copy()
     visibility[which] = np.maximum(visibility[which], back.visibility)
     return TracedPlaces(visibility, front.rays + back.rays, front.seconds + back.seconds, front.cached and back.cached)
 
 
 def _one_side(
-    scene: Scene, places: BakePlaces, settings: Baking, cache: Path | None, progress: TraceProgress | None
+    scene: Scene,
+    places: BakePlaces,
+    settings: Baking,
+    cache: Path | None,
+    progress: TraceProgress | None,
+    disks: Elements | None = None,
 ) -> TracedPlaces:
-    rays = len(places) * settings.batches[0] * settings.batches[1]
+    rays = len(places) * settings.batches[0] * settings.batches[1] if disks is None else 0
     kept: Store | None = None
     if cache is not None:
         kept = store(cache, _key(scene, places, settings), "bake")
         done = kept.result()
         if done is not None:
             return TracedPlaces(done["visibility"], rays, float(done["seconds"]), True)
-    sums = gather_sums(places, settings, kept=kept, progress=progress)
-    visibility = np.clip(sums.estimate()[0], 0, 1)
+    if disks is not None:
+        visibility, seconds = visibility_by_elements(places, disks)
+    else:
+        sums = gather_sums(places, settings, kept=kept, progress=progress)
+        visibility, seconds = np.clip(sums.estimate()[0], 0, 1), sums.seconds
     if kept is not None:
-        kept.finish({"visibility": visibility, "seconds": sums.seconds})
-    return TracedPlaces(visibility, rays, sums.seconds, False)
+        kept.finish({"visibility": visibility, "seconds": seconds})
+    return TracedPlaces(visibility, rays, seconds, False)
 
 
 def _key(scene: Scene, places: BakePlaces, settings: Baking) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from ..loaders.gltf_writing import GltfWriter, write_glb
 from ..loaders.read_options import ReadOptions
 from ..scene.model import RADIUS_SHARE
 from ..truth.batches import TraceProgress
+from .elements import Elements, elements
 from .fans import fans
 from .gathering import TracedPlaces, trace_places
 from .settings import Baking, OcclusionTexture, Vertices
@@ -40,7 +42,7 @@ class BakedMesh:
 class Baked:
     """A baked scene: its meshes in the source's order, or its textures, and how they came about.
 
-    rays: traced, in all. seconds: spent tracing them. cached: nothing was traced now. warnings: what was dropped or guessed.
+    rays: traced, in all. seconds: spent tracing them, or by elements. cached: nothing was traced now. warnings: what was dropped or guessed.
     """
 
     name: str
@@ -103,7 +105,7 @@ def bake(
         meshes, traced = job.vertices(goal) if isinstance(goal, Vertices) else job.textures(goal)
     return Baked(
         source.name, meshes, settings, goal,
-        sum(one.rays for one in traced), sum(one.seconds for one in traced), all(one.cached for one in traced),
+        sum(one.rays for one in traced), job.preparing + sum(one.seconds for one in traced), all(one.cached for one in traced),
         source.document.notes.lines, source.writer,
     )  # fmt: skip
 
@@ -124,10 +126,20 @@ class _Job:
     cache: Path | None
     progress: TraceProgress | None
 
+    @property
+    def preparing(self) -> float:
+        """Seconds that the disks took."""
+        return self.elements.seconds if self.elements is not None else 0.0
+
+    @cached_property
+    def elements(self) -> Elements | None:
+        """The scene's disks, where these measure."""
+        return elements(self.source.facets.rays, self.settings) if self.settings.by == "elements" else None
+
     def vertices(self, goal: Vertices) -> tuple[list[BakedMesh], list[TracedPlaces]]:
         source, settings = self.source, self.settings
         places, owners = fans(source.facets, source.primitives, settings.points, settings.seed)
-        traced = trace_places(source.scene, places, settings, self.cache, self.progress)
+        traced = trace_places(source.scene, places, settings, self.cache, self.progress, self.elements)
         meshes = []
         for primitive, own in zip(source.primitives, owners, strict=True):
             visibility = np.append(traced.visibility, 1.0)[own].astype(np.float32)  # -1: the last
@@ -141,7 +153,7 @@ class _Job:
         meshes, done = [], []
         groups = texture_groups(source.writer, source.document, source.facets, source.primitives, goal, self.settings.seed)
         for group in groups:
-            traced = trace_places(source.scene, group.places, self.settings, self.cache, self.progress)
+            traced = trace_places(source.scene, group.places, self.settings, self.cache, self.progress, self.elements)
             meshes.append(BakedMesh(group.name, write_texture(source.writer, source.document, group, traced.visibility)))
             done.append(traced)
         return meshes, done

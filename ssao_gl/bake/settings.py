@@ -11,6 +11,8 @@ from ..errors import SettingsError
 from ..sampling.falloff import Falloff
 from ..settings import setting, validate
 
+BY = ("rays", "elements")
+KERNELS = ("disk", "gems")
 SIDES = ("auto", "front", "both")
 UNWRAP = ("auto", "always", "never")
 LONGEST = 1024
@@ -19,7 +21,7 @@ LONGEST = 1024
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Baking:
-    """Settings of :func:`ssao_gl.bake` that have to do with rays."""
+    """Settings of :func:`ssao_gl.bake` that have to do with what is measured, and how."""
 
     name: ClassVar[str] = "bake"
     max_stderr: ClassVar[None] = None
@@ -36,8 +38,16 @@ class Baking:
     )
     seed: int = setting(0, "of points and directions", low=0, high=2**31 - 1)
 
+    by: str = setting("rays", "what measures: rays, or disks that stand for the scene's triangles", choices=BY)
+    passes: int = setting(2, "of elements, against shadows counted twice; the last two are averaged", low=1, high=16)
+    kernel: str = setting(
+        "disk", "what a disk takes; gems: the formula of GPU Gems 2, darker far off its axis", choices=KERNELS
+    )
+
     def __post_init__(self) -> None:
         validate(self)
+        if self.by == "elements" and self.falloff != Falloff.HARD:
+            raise SettingsError(f"falloff '{self.falloff}': elements know a hard radius only; take hard, or bake by rays")
 
     def with_radius(self, radius: float) -> Baking:
         """Return these settings with an automatic radius settled to ``radius`` scene units."""

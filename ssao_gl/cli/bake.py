@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from ..bake import Baked, Baking
 from ..bake import bake as baked
-from ..bake.settings import SIDES, UNWRAP, OcclusionTexture, Vertices
+from ..bake.settings import BY, KERNELS, SIDES, UNWRAP, OcclusionTexture, Vertices
 from ..errors import SceneError, SettingsError
 from ..sampling.falloff import Falloff
 from ..settings import as_table
@@ -23,8 +23,11 @@ from .tokens import WHOLE, parse_share
 @Parameter(name="*", group=RAYS)
 @dataclass(frozen=True, kw_only=True)
 class BakedRayOptions:
-    """Which rays are traced, and how many."""
+    """What measures: which rays, and how many, or elements."""
 
+    by: Annotated[
+        str, Parameter(help=f"What measures: {' or '.join(BY)}, disks that stand for the triangles (faster, less exact).")
+    ] = BY[0]
     radius: Annotated[
         str | None,
         Parameter(
@@ -44,6 +47,12 @@ class BakedRayOptions:
         int, WHOLE, Parameter(group=RARE, help="Points around a vertex, on its triangles, that share its rays.")
     ] = 16
     seed: Annotated[int, WHOLE, Parameter(group=RARE, help="Of points and directions.")] = 0
+    passes: Annotated[
+        int, WHOLE, Parameter(group=RARE, help="Of elements, against shadows counted twice; the last two are averaged.")
+    ] = 2
+    kernel: Annotated[
+        str, Parameter(group=RARE, help=f"What a disk takes: {' or '.join(KERNELS)}, the formula of GPU Gems 2.")
+    ] = KERNELS[0]
 
     def baking(self) -> Baking:
         """Return the settings of the rays; a radius that is a share comes later. Raises SettingsError."""
@@ -183,7 +192,10 @@ def _summary(found: Baked) -> str:
     what = f"{len(found.meshes)} mesh{'es' if len(found.meshes) > 1 else ''}, {places:,} vertices"
     if isinstance(found.to, OcclusionTexture):
         what = f"{len(found.meshes)} texture{'s' if len(found.meshes) > 1 else ''} of {found.to.size}x{found.to.size}"
-    return f"{found.name}, {what}, {found.settings.falloff} radius {found.settings.radius:.4g}, {found.settings.spp} rays each, {speed}"
+    reach = f"{found.settings.falloff} radius {found.settings.radius:.4g}"
+    if found.settings.by == "elements":
+        return f"{found.name}, {what}, {reach}, by elements, {found.settings.passes} passes, {found.seconds:.1f} s"
+    return f"{found.name}, {what}, {reach}, {found.settings.spp} rays each, {speed}"
 
 
 def _numbers(found: Baked) -> dict[str, Any]:

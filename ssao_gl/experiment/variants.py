@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from ..errors import SettingsError, near_miss
 from ..methods.base import Method
 from ..methods.lecture import Lecture
-from ..methods.registry import check_presets, method, presets_of, registry
+from ..methods.registry import check_presets, general, method, presets_of
 from ..pipeline.settings import Settings
 from ..settings import assign
 from .estimators import DEFAULT, ScreenSpace
@@ -29,7 +29,7 @@ def variants(methods: Sequence[str] = (), presets: Sequence[str] = (), ranges: I
     """
     for name in methods:
         method(name)
-    chosen = list(dict.fromkeys(methods)) or [name for name in registry() if name != TRUTH]
+    chosen = list(dict.fromkeys(methods)) or [name for name in general() if name != TRUTH]
     spreads = _spreads(ranges, chosen)
     found = [
         ScreenSpace(name, label, Settings(method=record))

@@ -10,9 +10,11 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..graph.names import COLOR, NORMAL, SHADING_NORMAL
+from ..graph.names import BAKED, COLOR, NORMAL, SHADING_NORMAL
+from ..scene.baked_visibility import BakedVisibility
 from ..scene.bounds import named_positions
 from ..scene.model import Mesh
+from ..scene.srgb import encoded_rgb
 from .programs import GpuResources, Program
 from .scene_draw import SceneDraw
 from .scene_textures import Sampled, SceneTextures
@@ -33,12 +35,12 @@ class _OnGpu:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Call:
-    """How a mesh is drawn: its program, vertex array, uniforms of colour, and texture where that is read."""
+    """How a mesh is drawn: its program, vertex array, uniforms of its look, and its textures by uniform, as far as they are read."""
 
     program: Program
     array: moderngl.VertexArray
     look: Mapping[str, Any]
-    texture: Sampled | None
+    textures: Mapping[str, Sampled]
 
 
 class MeshBuffers:
@@ -98,23 +100,32 @@ class MeshBuffers:
             call = self._calls.get((number, kind)) or self._prepared(number, kind, seen)
             call.program.set(seen.uniforms)
             call.program.set(call.look)
-            if call.texture is not None:
-                call.texture.bind(unit)
-                call.program.set({"u_texture": unit})
+            for place, (uniform, texture) in enumerate(call.textures.items(), unit):
+                texture.bind(place)
+                call.program.set({uniform: place})
             call.array.render(moderngl.TRIANGLES, instances=len(on_gpu.mesh.transforms))
 
     def _prepared(self, number: int, kind: Any, seen: SceneDraw) -> _Call:
         """Return how a mesh is drawn by such a draw, with the program and the vertex array for it."""
         on_gpu = self._meshes[number]
         needed = _defines(on_gpu.mesh, seen)
+        textures = {"u_texture": on_gpu.texture} if on_gpu.texture is not None and "TEXTURED" in needed else {}
+        if on_gpu.mesh.baked is not None and BAKED in seen.writes:
+            textures |= self._baked(on_gpu, on_gpu.mesh.baked)
         program = self._resources.program(*seen.draw.shaders["mesh"], {**needed, **seen.defines})
         array = self._arrays.get((number, program))
         if array is None:
             content = [(*on_gpu.attributes[n], n) for n in on_gpu.attributes if n in program.mgl]
             array = self._arrays[number, program] = self._resources.ctx.mgl.vertex_array(program.mgl, content, on_gpu.index)
-        texture = on_gpu.texture if "TEXTURED" in needed else None
-        call = self._calls[number, kind] = _Call(program, array, _look(on_gpu.mesh, needed), texture)
+        call = self._calls[number, kind] = _Call(program, array, _look(on_gpu.mesh, needed), textures)
         return call
+
+    def _baked(self, on_gpu: _OnGpu, kept: BakedVisibility) -> dict[str, Sampled]:
+        """Store what a mesh keeps, once somebody wants it, and return its texture."""
+        if "a_baked" not in on_gpu.attributes:
+            rows = np.ascontiguousarray(kept.rows, "f4")
+            on_gpu.attributes["a_baked"] = self._buffer(rows), "1f" if kept.texture is None else "2f"
+        return {} if kept.texture is None else {"u_baked": self._textures.sampled(kept.texture.picture)}
 
     def release(self) -> None:
         """Free every buffer and texture."""
@@ -141,6 +152,9 @@ def _defines(mesh: Mesh, seen: SceneDraw) -> dict[str, int]:
         defines["VERTEX_COLOR"] = 1
     if mesh.texture is not None and (colored or cut):
         defines["TEXTURED"] = 1
+    if mesh.baked is not None and BAKED in writes:
+        defines["BAKED_VERTEX" if mesh.baked.texture is None else "BAKED_TEXTURE"] = 1
+        defines |= {} if mesh.baked.base_color is None else {"BAKED_IN_COLOR": 1}
     return defines
 
 
@@ -149,7 +163,10 @@ def _look(mesh: Mesh, defines: Mapping[str, int]) -> dict[str, Any]:
     material = mesh.material
     alpha = 1.0 if material is None else material.base_color[3]
     color = material.base_color[:3] if material is not None and "TEXTURED" in defines else mesh.color
-    return {"u_color": (*color, alpha)} | ({"u_cutoff": mesh.cutoff} if "CUT" in defines else {})
+    if mesh.baked is not None and mesh.baked.base_color is not None and "BAKED_IN_COLOR" in defines:
+        color = mesh.baked.base_color if "TEXTURED" in defines else encoded_rgb(mesh.baked.base_color)
+    look = {"u_color": (*color, alpha)} | ({"u_cutoff": mesh.cutoff} if "CUT" in defines else {})
+    return look | ({"u_baked_strength": mesh.baked.strength} if mesh.baked is not None and "BAKED_TEXTURE" in defines else {})
 
 
 def _snorm16(normals: NDArray[np.float32]) -> NDArray[np.int16]:

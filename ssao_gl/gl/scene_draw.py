@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from ..glsl.preprocess import Define
 from ..graph.draws import DrawScene
-from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, NORMAL, SHADING_NORMAL
+from ..graph.names import BAKED, COLOR, DEPTH, DEPTH_LAYER_2, NORMAL, SHADING_NORMAL
 from ..scene.projection import Matrix, ViewConstants
 
 TARGETS = {
@@ -17,6 +17,7 @@ TARGETS = {
     NORMAL: "NORMAL_TARGET",
     SHADING_NORMAL: "SHADING_NORMAL_TARGET",
     COLOR: "COLOR",
+    BAKED: "BAKED_TARGET",
 }
 """Resource -> the define that makes the shader write it."""
 

@@ -1,4 +1,4 @@
-"""Textures of base colour on the GPU: each picture once, with the wrapping and filtering that its material asks for."""
+"""Textures of base colour and of baked visibility on the GPU: each picture once, with the wrapping and filtering that its material asks for."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..scene.mipmaps import smaller_copies
 from .loader import Functions
 from .programs import GpuResources
 
-GL_SRGB8_ALPHA8 = 0x8C43
+GL_SRGB8_ALPHA8, GL_RGBA8 = 0x8C43, 0x8058
 GL_MAG_FILTER, GL_MIN_FILTER, GL_WRAP_S, GL_WRAP_T, GL_MAX_ANISOTROPY = 0x2800, 0x2801, 0x2802, 0x2803, 0x84FE
 GL_NEAREST, GL_LINEAR, GL_LINEAR_MIPMAP_LINEAR = 0x2600, 0x2601, 0x2703
 GL_WRAP: dict[Wrap, int] = {"repeat": 0x2901, "mirror": 0x8370, "clamp": 0x812F}
@@ -45,7 +45,7 @@ class Sampled:
 
 
 class SceneTextures:
-    """The textures of a scene. Texels are decoded from sRGB before they are blended; row 0 of a picture is v = 0."""
+    """The textures of a scene. Texels are decoded from sRGB, but for those that are numbers, before they are blended; row 0 of a picture is v = 0."""
 
     def __init__(self, resources: GpuResources) -> None:
         self._ctx = resources.ctx
@@ -65,11 +65,11 @@ class SceneTextures:
         texels = _fitting(texture.array, self._ctx.max_size)
         h, w = texels.shape[:2]
         # With alpha whatever the picture has: OpenGL ES makes mipmaps of sRGB textures of four channels only.
-        made = self._ctx.mgl.texture((w, h), 4, internal_format=GL_SRGB8_ALPHA8)
+        made = self._ctx.mgl.texture((w, h), 4, internal_format=GL_RGBA8 if texture.linear else GL_SRGB8_ALPHA8)
         _write(made, texels, 0)
         if texture.mipmaps:
             made.build_mipmaps()
-            if (w & (w - 1)) or (h & (h - 1)):
+            if not texture.linear and ((w & (w - 1)) or (h & (h - 1))):
                 # Drivers halve powers of two well; of other sizes Mesa's reads some texels and leaves others out.
                 for level, copy in enumerate(smaller_copies(texels), 1):
                     _write(made, copy, level)

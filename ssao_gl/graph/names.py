@@ -12,6 +12,8 @@ SHADING_NORMAL = "normal_shading"
 """View-space normals of the mesh, smooth where it is."""
 COLOR = "base_color"
 """sRGB base colour; its alpha is direct light where the renderer drew it."""
+BAKED = "baked_visibility"
+"""Visibility that the scene's meshes keep, 1 where they keep none."""
 
 PIXEL_DEPTH, PIXEL_NORMAL = "pixel_depth", "pixel_normal"
 """What a method reads of the pixel itself: depth and normals at the size at which occlusion is drawn."""

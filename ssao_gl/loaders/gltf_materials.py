@@ -9,15 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import one_line
+from ..errors import SceneError, one_line
+from ..scene.baked_visibility import BakedTexture
 from ..scene.material import AlphaMode, ColorTexture, Material, Wrap
 from .gltf_document import Document, Tree, data_uri, index
 from .picture_files import Texels
+from .resolver import FolderResolver
 
 GLOSS, WEBP, TRANSFORM = "KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp", "KHR_texture_transform"
 WRAPS: dict[int, Wrap] = {33071: "clamp", 33648: "mirror", 10497: "repeat"}
@@ -35,6 +38,16 @@ class TexturedMaterial:
     transform: NDArray[np.float64] | None = None
 
 
+@dataclass(frozen=True)
+class OcclusionMap:
+    """The occlusion texture of a material (glTF 2.0, 3.9.3), not unpacked: its strength, coordinates and transform."""
+
+    texture: BakedTexture
+    strength: float
+    coordinates: int
+    transform: NDArray[np.float64] | None
+
+
 @dataclass
 class Materials:
     """The materials of a document that are asked for; each picture is unpacked once."""
@@ -44,6 +57,7 @@ class Materials:
     _surfaces: dict[int, TexturedMaterial] = field(default_factory=dict)
     _white: dict[int, Material] = field(default_factory=dict)
     _pictures: dict[int, NDArray[np.uint8] | None] = field(default_factory=dict)
+    _occlusion: dict[int, OcclusionMap | None] = field(default_factory=dict)
 
     def surface(self, number: Any) -> TexturedMaterial:
         """A material by its number; what of it is broken is left out."""
@@ -74,24 +88,48 @@ class Materials:
         found = self._texture(texture, f"material '{material.name or number}'")
         if found is None:
             return TexturedMaterial(material)
-        more = texture.get("extensions", {}).get(TRANSFORM, {})
-        coordinates = index(more.get("texCoord", texture.get("texCoord", 0)))
-        return TexturedMaterial(replace(material, base_color_texture=found), coordinates, _transform(more))
+        return TexturedMaterial(replace(material, base_color_texture=found), *_coordinates(texture))
+
+    def occlusion(self, number: Any) -> OcclusionMap | None:
+        """The occlusion texture of a material; None without one that could be read."""
+        if index(number) not in self._occlusion:
+            entry = self.document.entry("materials", number)
+            texture = entry.get("occlusionTexture")
+            where = f"occlusion texture of material '{one_line(entry.get('name', ''), 50) or number}'"
+            try:
+                self._occlusion[number] = None if not isinstance(texture, dict) else OcclusionMap(
+                    self._unread(texture, where), _numbers([texture.get("strength")], (1.0,))[0], *_coordinates(texture)
+                )  # fmt: skip
+            except (LookupError, TypeError, AttributeError, ValueError, SceneError):
+                self._occlusion[number] = None  # nobody may want it
+        return self._occlusion[number]
+
+    def _unread(self, texture: Tree, where: str) -> BakedTexture:
+        """A texture whose picture is unpacked when it is wanted; of a GLB file a copy of its bytes is kept."""
+        entry = self.document.entry("textures", texture["index"])
+        image = self.document.entry("images", entry.get("extensions", {}).get(WEBP, entry)["source"])
+        content, beside = (self._content(image), None) if "bufferView" in image else (b"", self.document.beside)
+        return BakedTexture(partial(_picture, content, image.get("uri"), beside, where), *self._sampling(entry), where)
+
+    def _sampling(self, entry: Tree) -> tuple[tuple[Wrap, Wrap], bool, bool]:
+        """Wrapping, whether texels are not blended, and whether there are smaller copies."""
+        sampler = self.document.entry("samplers", entry["sampler"]) if "sampler" in entry else {}
+        least, most = sampler.get("minFilter"), sampler.get("magFilter")
+        wrap = WRAPS.get(sampler.get("wrapS", 0), "repeat"), WRAPS.get(sampler.get("wrapT", 0), "repeat")
+        return wrap, most == NEAREST, least is None or least in MIPMAPS
 
     def _texture(self, texture: Tree, where: str) -> ColorTexture | None:
         try:
             entry = self.document.entry("textures", texture["index"])
             source = entry.get("extensions", {}).get(WEBP, entry)["source"]
             array = self._picture(source, where)
-            sampler = self.document.entry("samplers", entry["sampler"]) if "sampler" in entry else {}
+            sampling = self._sampling(entry)
         except (LookupError, TypeError, AttributeError, ValueError):
             self.document.notes.add(f"{where}: drawn without its texture, which is in no format that is read")
             return None
         if array is None:
             return None
-        least, most = sampler.get("minFilter"), sampler.get("magFilter")
-        wrap = WRAPS.get(sampler.get("wrapS", 0), "repeat"), WRAPS.get(sampler.get("wrapT", 0), "repeat")
-        return ColorTexture(array, wrap, most == NEAREST, least is None or least in MIPMAPS, where)
+        return ColorTexture(array, *sampling, where)
 
     def _picture(self, number: Any, where: str) -> NDArray[np.uint8] | None:
         """None, and a note, for one that cannot be used."""
@@ -109,8 +147,30 @@ class Materials:
     def _content(self, image: Mapping[str, Any]) -> bytes:
         if "bufferView" in image:
             return self.document.view(image["bufferView"]).tobytes()
-        uri = image["uri"]
-        return data_uri(uri) if uri.startswith("data:") else self.document.beside.get(uri)
+        return _named(image["uri"], self.document.beside)
+
+
+def _named(uri: str, beside: FolderResolver) -> bytes:
+    return data_uri(uri) if uri.startswith("data:") else beside.get(uri)
+
+
+def _picture(content: bytes, uri: str | None, beside: FolderResolver | None, where: str) -> NDArray[np.uint8]:
+    """Unpack a picture from its bytes, or from what ``uri`` names. Raises SceneError."""
+    try:
+        return Texels().unpack(content if uri is None or beside is None else _named(uri, beside))
+    except Exception as error:  # Pillow's are of many kinds
+        raise SceneError(f"{where}: cannot be read ({one_line(error, 150)})") from None
+
+
+def _coordinates(texture: Tree) -> tuple[int, NDArray[np.float64] | None]:
+    """The set of texture coordinates of a texture, and (2, 3) from them to the picture."""
+    more = texture.get("extensions", {}).get(TRANSFORM, {})
+    return index(more.get("texCoord", texture.get("texCoord", 0))), _transform(more)
+
+
+def placed(uv: NDArray[Any], transform: NDArray[np.float64] | None) -> NDArray[Any]:
+    """Return coordinates (n, 2) as those in the picture."""
+    return uv if transform is None else uv @ transform[:, :2].T + transform[:, 2]
 
 
 def _numbers(given: Any, default: tuple[float, ...], most: float = 1.0) -> tuple[float, ...]:

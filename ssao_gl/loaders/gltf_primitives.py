@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..scene.projection import Matrix
 from .gltf_accessors import raw, values
+from .gltf_baked import AO, baked_visibility
 from .gltf_document import Document, Tree
 from .gltf_draco import DRACO, unpack_draco
-from .gltf_materials import Materials
+from .gltf_materials import Materials, placed
 from .gltf_skins import joint_matrices, skinned
 from .mesh_building import MeshData, linear_colors
 from .strips import fan_triangles, strip_triangles
@@ -48,7 +49,7 @@ def primitive_data(
 def primitive_content(document: Document, primitive: Tree) -> tuple[NDArray[Any], Attributes]:
     """Faces (m, 3) and the attributes that are drawn."""
     accessors = primitive["attributes"]
-    names = [name for name in accessors if name in ("POSITION", "NORMAL", "COLOR_0") or name.startswith("TEXCOORD_")]
+    names = [name for name in accessors if name in ("POSITION", "NORMAL", "COLOR_0", AO) or name.startswith("TEXCOORD_")]
     packed = primitive.get("extensions", {}).get(DRACO)
     if packed is not None and "bufferView" not in document.entry("accessors", accessors["POSITION"]):
         faces, found = unpack_draco(document, packed, primitive)
@@ -113,7 +114,8 @@ def _painted(data: MeshData, attributes: Attributes, materials: Materials, primi
         data.material = surface.material
         uv = attributes.get(f"TEXCOORD_{surface.coordinates}")
         if surface.material.base_color_texture is not None and uv is not None and uv.shape[1] == 2:
-            data.uv = uv if surface.transform is None else uv @ surface.transform[:, :2].T + surface.transform[:, 2]
+            data.uv = placed(uv, surface.transform)
+    data.baked = baked_visibility(attributes, colors, materials, primitive)
     if colors is not None:
         factor = np.ones(4) if data.material is None else np.array(data.material.base_color)
         data.colors = linear_colors(colors, factor)

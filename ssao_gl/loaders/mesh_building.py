@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SceneError
+from ..scene.baked_visibility import BakedVisibility
 from ..scene.material import Material
 from ..scene.model import DEFAULT_COLOR, Mesh
 from ..scene.srgb import encode
@@ -26,7 +27,7 @@ class MeshData:
     """What a file says of a mesh: vertices (n, 3), faces (m, 3), and at each vertex normals, uv (v downwards), colours.
 
     colors: (n, 4) uint8 sRGB with linear alpha. face_colors: (m, 4) likewise. material: None for the default colour, or
-    white under colours of its own. soup: vertices at the same place become one where normals must be made.
+    white under colours of its own. baked: visibility that it keeps. soup: vertices at the same place become one where normals must be made.
     """
 
     vertices: NDArray[Any]
@@ -37,6 +38,7 @@ class MeshData:
     face_colors: NDArray[np.uint8] | None = None
     material: Material | None = None
     soup: bool = False
+    baked: BakedVisibility | None = None
 
 
 def build_mesh(data: MeshData, transforms: NDArray[np.float64], name: str, crease: float) -> Mesh:
@@ -46,7 +48,7 @@ def build_mesh(data: MeshData, transforms: NDArray[np.float64], name: str, creas
     _check_finite(data, name)
     positions, transforms = _centered(data.vertices, transforms, name)
     triangles = data.faces.astype(np.uint32)
-    colors, uv = data.colors, data.uv
+    colors, uv, baked = data.colors, data.uv, data.baked
     normals = None if data.normals is None else np.asarray(data.normals, np.float32)
     if normals is None and crease > 0:
         if data.soup and uv is not None:
@@ -58,13 +60,14 @@ def build_mesh(data: MeshData, transforms: NDArray[np.float64], name: str, creas
                 colors = _picked(colors, first)
             positions, triangles, normals, split = crease_normals(positions, triangles, crease)
             colors, uv = _picked(colors, split), _picked(uv, split)
+            baked = baked if baked is None or split is None else baked.picked(split)
     if data.face_colors is not None:
         colors = _face_means(data.face_colors, triangles, len(positions))
     white = colors is not None and data.material is None
     return Mesh(
         positions, triangles, normals, (1.0, 1.0, 1.0) if white else DEFAULT_COLOR, colors, transforms, name,
         None if uv is None else np.nan_to_num(np.asarray(uv, np.float32), posinf=0, neginf=0),
-        data.material,
+        data.material, baked,
     )  # fmt: skip
 
 
@@ -105,6 +108,7 @@ def _named(data: MeshData) -> MeshData:
     return replace(
         data, vertices=data.vertices[named], faces=number[data.faces],
         normals=kept(data.normals), uv=kept(data.uv), colors=kept(data.colors),
+        baked=None if data.baked is None else data.baked.picked(named),
     )  # fmt: skip
 
 

@@ -59,6 +59,11 @@ def registry() -> Mapping[str, type[Method]]:
     return dict(_METHODS)
 
 
+def general() -> list[str]:
+    """Return the names of the methods that draw every scene, whatever it keeps."""
+    return [name for name, kind in registry().items() if kind().traits.any_scene]
+
+
 def method(name: str) -> Any:
     """Return the method called ``name`` with its default settings. Raises SettingsError for an unknown name."""
     known = registry()

@@ -10,9 +10,9 @@ from ..graph.names import BENT_NORMAL, VISIBILITY
 if TYPE_CHECKING:
     from .base import Method
 
-INPUTS = ("depth", "normal", "depth_table", "second_layer", "history", "scene", "prepared")
+INPUTS = ("depth", "normal", "depth_table", "second_layer", "history", "scene", "prepared", "baked")
 """What a method may need. depth, normal: of what is seen. depth_table: sums of inverse depth. second_layer: depth of what lies behind it. history: what the last
-frame left. scene: the triangles themselves. prepared: data made once from the scene. The last four come from a renderer that
+frame left. scene: the triangles themselves. prepared: data made once from the scene. baked: visibility that its meshes keep. The last five come from a renderer that
 has the scene; arrays and effects have none."""
 
 OUTPUTS = (VISIBILITY, BENT_NORMAL)
@@ -24,7 +24,7 @@ CAMERAS = {
 }
 """What a method may need of a camera -> what is said of one without."""
 
-NEEDS_SCENE = frozenset({"second_layer", "history", "scene", "prepared"})
+NEEDS_SCENE = frozenset({"second_layer", "history", "scene", "prepared", "baked"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,3 +76,8 @@ class Traits:
     def needs_scene(self) -> bool:
         """Whether a depth buffer alone is not enough."""
         return bool(self.inputs & NEEDS_SCENE)
+
+    @property
+    def any_scene(self) -> bool:
+        """Whether it draws every scene, and not those alone that keep something for it."""
+        return "baked" not in self.inputs

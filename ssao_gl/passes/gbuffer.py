@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..graph.declare import Pass, Texture
 from ..graph.draws import DrawScene, Uniform, ViewValue
-from ..graph.names import COLOR, DEPTH, DEPTH_LAYER_2, LAYER_2_MASK, NORMAL, SCENE_MASK, SHADING_NORMAL
+from ..graph.names import BAKED, COLOR, DEPTH, DEPTH_LAYER_2, LAYER_2_MASK, NORMAL, SCENE_MASK, SHADING_NORMAL
 
 SHADERS = {
     "mesh": ("gbuffer.vert", "gbuffer.frag"),
@@ -27,6 +27,7 @@ def gbuffer(background: Sequence[float], *, geometric: bool) -> Pass:
         NORMAL: Texture("rg16f"),
         SHADING_NORMAL: Texture("rg16f"),
         COLOR: Texture("rgba8"),
+        BAKED: Texture("r16f"),
     }
     clears = dict.fromkeys(targets, NOTHING) | {COLOR: (*background, 1.0)}
     draw = DrawScene(SHADERS, clears, defines={"GEOMETRIC": 1} if geometric else {})

@@ -14,6 +14,7 @@ from ..scene.model import Scene
 from ..scene.projection import Size, ViewConstants
 from ..scene.screen_bounds import screen_bounds
 from .build import check_camera, plan_render
+from .kept import check_kept
 from .settings import GUARD_STEP, Settings, guard_band
 
 
@@ -54,6 +55,7 @@ def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, li
     wide = dataclasses.replace(camera, lens=CropLens(camera.lens, size, (-border, -border))) if border else camera
     view = wide.view(outer)
     check_camera(settings, view)
+    check_kept(settings, scene)
     covered = screen_bounds(scene.bounds, camera, view)
     corner = tile.corner[0] - border, tile.corner[1] - border
     region = DrawRegion((border, border, w, h) if border else None, None if "background" in settings.keep else covered)

@@ -26,7 +26,7 @@ class ColorTexture:
     """A picture of base colour: ``array`` (h, w, 3 or 4) uint8, sRGB with linear alpha, row 0 on top, which is v = 0.
 
     wrap: what u and v do outside 0..1. nearest: texels are not blended where they are magnified. mipmaps: smaller copies
-    are used where they are minified.
+    are used where they are minified. linear: numbers and no colours, not encoded as sRGB.
     """
 
     array: NDArray[np.uint8]
@@ -34,6 +34,7 @@ class ColorTexture:
     nearest: bool = False
     mipmaps: bool = True
     name: str = ""
+    linear: bool = False
 
     def __post_init__(self) -> None:
         a = self.array

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
+from .baked_visibility import BakedVisibility
 from .bounds import Drawable, box_corners, core_bounds, named_positions, placed_bounds, triangle_pieces
 from .camera import Camera
 from .material import ColorTexture, Material, alpha_range
@@ -38,7 +39,7 @@ class Mesh:
     float32 of any length, or None for flat shading. color: sRGB (r, g, b) in 0..1; the colour of ``material`` where there is
     one. It is multiplied with vertex_colors: (n, 4) uint8 sRGB with linear alpha, or None. transforms: (k, 4, 4)
     float64 model-to-world. uv: (n, 2) float32 coordinates in the material's texture, or None; (0, 0) is the upper left
-    corner of the picture and v grows downwards, as in glTF.
+    corner of the picture and v grows downwards, as in glTF. baked: visibility that it keeps, which the method ``baked`` shows.
     """
 
     positions: NDArray[np.float32]
@@ -50,6 +51,7 @@ class Mesh:
     name: str = ""
     uv: NDArray[np.float32] | None = None
     material: Material | None = None
+    baked: BakedVisibility | None = None
 
     def __post_init__(self) -> None:
         if self.material is not None:
@@ -69,6 +71,8 @@ class Mesh:
         ):  # fmt: skip
             if array is not None and array.shape != (len(p), width):
                 raise SceneError(f"{where}: {what} must be ({len(p)}, {width}), got {array.shape}")
+        if self.baked is not None and self.baked.rows.shape != (len(p), *self.baked.width):
+            raise SceneError(f"{where}: baked must have rows {(len(p), *self.baked.width)}, got {self.baked.rows.shape}")
         k = self.transforms
         if k.ndim != 3 or k.shape[1:] != (4, 4) or not np.isfinite(k).all():
             raise SceneError(f"{where}: transforms must be finite and (k, 4, 4), got {k.shape}")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..methods.base import Deviation, Method
-from ..methods.registry import check_presets, method, presets_of, registry
+from ..methods.registry import check_presets, general, method, presets_of
 from ..passes.denoise import filter_named
 from ..pipeline.settings import Settings
 from ..settings import assign, limits
@@ -63,9 +63,9 @@ class Specimen:
 
 
 def specimens(methods: Sequence[str] = (), presets: Sequence[str] = (DEFAULT,), precision: str = "high") -> list[Specimen]:
-    """Methods (all, or those named) times presets: ``default``, names, or ``all``. Raises SettingsError for unknown names."""
+    """Methods (all that draw every scene, or those named) times presets: ``default``, names, or ``all``. Raises SettingsError for unknown names."""
     Settings(precision=precision)
-    shipped = {name: method(name) for name in methods or registry()}
+    shipped = {name: method(name) for name in methods or general()}
     found = [
         Specimen(name, preset, _affordable(assign(record, values)), precision)
         for name, record in shipped.items()

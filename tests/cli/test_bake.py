@@ -94,3 +94,16 @@ def test_notes_are_errors_on_demand(tmp_path: Path, capsys: pytest.CaptureFixtur
     code, _, said = run("bake", path, "-o", tmp_path / "out.glb", "--no-cache", "--strict", capsys=capsys)
     assert code == 2 and said.endswith("EXT_of_nobody (--strict)\n")
     assert not (tmp_path / "out.glb").exists()
+
+
+def test_by_elements(corner: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("numba")
+    code, said, _ = run(
+        "bake", corner, "-o", tmp_path / "e.glb", "--by", "elements", "--radius", "50%", "--no-cache", capsys=capsys
+    )
+    assert code == 0 and "by elements, 2 passes" in said and "rays" not in said
+
+
+def test_elements_refuse_what_they_do_not_know(corner: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("bake", corner, "-o", tmp_path / "e.glb", "--by", "elements", "--falloff", "quadratic")
+    assert "elements know a hard radius only" in refused(capsys, *words)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.methods.registry import registry
+from ssao_gl.methods.registry import general
 from ssao_gl.scene.camera import Camera
 from ssao_gl.scene.model import Scene
 from ssao_gl.testing import spread, with_radius
@@ -23,7 +23,7 @@ ALL = ("image", "visibility", "depth", "normal", "color")
 RIM = 4
 """Pixels along the border of a picture that a filter sees beyond."""
 VIEWS = ("perspective", "off-centre", "orthographic", "plane", "plane off-centre", "plane orthographic")
-FAST = [name for name in registry() if name != "reference"]
+FAST = [name for name in general() if name != "reference"]
 """All methods but the exhaustive one, which would take minutes."""
 CASES = [(view, name) for view in VIEWS for name in FAST if name != "lecture" or "orthographic" not in view]
 """The lecture's method refuses parallel projections."""

@@ -20,6 +20,7 @@ from ssao_gl.graph.frame_graph import compile
 from ssao_gl.graph.plan import Plan
 from ssao_gl.graph.plan_json import plan_from_json, plan_to_json
 from ssao_gl.graph.regions import DrawRegion
+from ssao_gl.methods.registry import general
 from ssao_gl.pipeline.frame_setup import frame_setup
 
 from .. import shapes
@@ -108,7 +109,7 @@ def test_a_3d_target_is_refused_in_words(resources: GpuResources) -> None:
         FrameExecutor(resources, plan)
 
 
-@pytest.mark.parametrize("method", ao.registry())
+@pytest.mark.parametrize("method", general())
 @pytest.mark.parametrize("blur", [None, ao.Joint(), ao.Separable(), ao.LectureBlur()], ids=lambda b: b.name if b else "none")
 def test_a_plan_from_json_draws_the_same_bytes(resources: GpuResources, method: str, blur: object) -> None:
     settings = ao.Settings(method=ao.method(method), blur=blur)  # type: ignore[arg-type]

@@ -12,6 +12,7 @@ import pytest
 import ssao_gl as ao
 from ssao_gl.gl import PROVIDERS
 from ssao_gl.loaders.load import load_scene
+from ssao_gl.methods.registry import general
 from ssao_gl.scene.model import Scene
 
 from ..conftest import openable, real_scenes
@@ -130,7 +131,7 @@ def test_nothing_is_left_behind(provider: str, embedded: Scene) -> None:
     context.close = lambda: None  # the renderer's release must leave the context to be looked at
     renderer = ao.Renderer(context)
     for size in ((40, 30), (50, 20)):
-        for method in ao.registry():
+        for method in general():
             settings = ao.Settings(method=ao.method(method))
             renderer.render(embedded, None, size, settings, aovs=("image", "visibility", "depth", "normal", "color"))
         depth = np.full(size[::-1], 3.0, np.float32)

@@ -17,6 +17,7 @@ from PIL import Image
 
 import ssao_gl as ao
 from ssao_gl.io import images
+from ssao_gl.methods.registry import general
 from ssao_gl.metrics.images import compare, difference_picture
 from ssao_gl.passes.denoise import FILTERS
 from ssao_gl.scene.model import Scene
@@ -43,8 +44,8 @@ def method(name: str) -> Any:
 
 CASES: dict[str, tuple[ao.Settings, str]] = {
     "default": (ao.Settings(), "image"),
-    **{f"method-{name}": (ao.Settings(method=method(name)), "visibility") for name in ao.registry()},
-    **{f"raw-{name}": (ao.Settings(method=method(name), blur=None), "visibility") for name in ao.registry()},
+    **{f"method-{name}": (ao.Settings(method=method(name)), "visibility") for name in general()},
+    **{f"raw-{name}": (ao.Settings(method=method(name), blur=None), "visibility") for name in general()},
     **{f"blur-{name}": (ao.Settings(method=ao.Alchemy(), blur=kind()), "visibility") for name, kind in FILTERS.items()},
 }
 

@@ -19,7 +19,7 @@ from ssao_gl.cli import main
 from ssao_gl.glsl import preprocess
 from ssao_gl.methods import registry as methods
 from ssao_gl.methods.alchemy import Alchemy
-from ssao_gl.methods.registry import method, registry
+from ssao_gl.methods.registry import general, method, registry
 from ssao_gl.stress.catalogue import cases
 from ssao_gl.stress.fuzz import BLOCK, planned, random_shot
 from ssao_gl.stress.replay import Recorder, replayed
@@ -58,7 +58,7 @@ def failures(rows: list[CaseResult]) -> list[str]:
     return [f"{row.case}: {row.measured} over {row.bound}, {row.reason}" for row in rows if row.verdict == FAIL]
 
 
-@pytest.mark.parametrize("name", ao.registry())
+@pytest.mark.parametrize("name", general())
 def test_every_named_case(wide: ao.Renderer, first: Any, name: str) -> None:
     rows = list(run_cases(wide, runs(cases().values(), specimens([name])), first))
     assert len(rows) == len(cases()) and failures(rows) == []
