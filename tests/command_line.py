@@ -22,5 +22,5 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: object, code: int = 
     assert found == code, (found, out, err)
     assert err.startswith("ssao-gl: ") and err.count("\n") == 1, err
     assert "unforeseen" not in err and "Traceback" not in err, err
-    assert len(err) < 800
+    assert len(err) < 1000
     return err

@@ -25,6 +25,7 @@ EXAMPLES: Mapping[str, Mapping[str, preprocess.Define]] = {
     "depth_table.frag": {"TARGETS": 1, "SCALE": 4, "STRIDE_X": 1, "STRIDE_Y": 0, "FIRST": 1},
     "upsample_depth.frag": {"PACKED": 1, "PINHOLE": 1},
     "halo.frag": {"SCALE": 4},
+    "residual_filter.frag": {"RADIUS": 5},
     "denoise_intensity.frag": {"PACKED": 1, "RADIUS": 4, "WIDTH": 4, "HEIGHT": 4, "LAST": 1},
 }
 """Defines that a shader cannot do without, as the default settings give them."""

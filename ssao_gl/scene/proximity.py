@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_cdt
 
 from .volume import Volume
 
@@ -26,6 +25,8 @@ def proximity(volume: Volume) -> NDArray[np.uint8]:
     go through, or in which something has opacity; 0 in such a cell itself. So all cells less than d away are on one side of
     the surface: inside with ``INSIDE``.
     """
+    from scipy.ndimage import distance_transform_cdt  # slow to import
+
     if volume.iso is not None:
         sides = volume.field >= 0
         inside = _cells(sides, np.logical_and)

@@ -140,7 +140,7 @@ def test_the_surface_behind_is_the_back_of_the_sphere(provider: str) -> None:
     """Before what lies behind the sphere."""
     scene = Scene(spheres=[Spheres(np.array([[0, 0, 0], [0, 0, -3]]), np.array([1, 1]))])
     camera = Camera.perspective(0.7, 0.1, 40, look_at((0, 0, 6), (0, 0, 0)))
-    plan = compile([gbuffer((1.0, 1, 1), geometric=True), layer_behind()], SIZE, [DEPTH_LAYER_2])
+    plan = compile([gbuffer((1.0, 1, 1), geometric=True), layer_behind(0.0, 1)], SIZE, [DEPTH_LAYER_2])
     with ao.gl.open(provider) as ctx:
         resources = GpuResources(ctx)
         buffers, executor = SceneBuffers(resources, scene), FrameExecutor(resources, plan)

@@ -117,7 +117,7 @@ def test_tiles_are_the_whole(any_renderer: ao.Renderer, make: object) -> None:
 
 def test_the_second_layer_is_the_far_side(any_renderer: ao.Renderer) -> None:
     cam = Camera.orthographic(2.2, 0.0, 20.0, look_at((0, 0, 5), (0, 0, 0)))
-    settings = ao.Settings(method=ao.Bitmask(**{**ao.Bitmask.presets["ultra"], "radius": 0.5}), blur=None)
+    settings = ao.Settings(method=ao.Bitmask(scale=1, layers=2, radius=0.1, guard=0), blur=None)
     scene = Scene(volumes=[ball()])
     first, second = (any_renderer.resource(scene, cam, SIZE, settings, name) for name in (DEPTH, DEPTH_LAYER_2))
     assert first is not None and second is not None

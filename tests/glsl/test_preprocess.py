@@ -56,7 +56,7 @@ def test_includes_come_once_and_lines_know_their_file() -> None:
 
 def test_repeat_writes_the_line_out() -> None:
     text = preprocess.build("denoise_joint.frag", {"RADIUS": 3, "PACKED": 1}).text
-    assert text.count("u_weights[2 + 1]") == 2 and "#repeat" not in text
+    assert text.count("float(2 + 1)") == 2 and "#repeat" not in text
 
 
 @pytest.mark.parametrize(

@@ -249,7 +249,7 @@ def test_a_smaller_second_layer_has_pixels_of_the_whole_one(
     small = found[scale][: whole.shape[0], : whole.shape[1]]
     assert (whole > 0).sum() > 50
     same = np.isclose(small, whole, rtol=1e-3)  # SwiftShader snaps vertices
-    assert same.mean() > 0.98, "but where an edge runs through the middle of a pixel"
+    assert same.mean() > 0.95, "but where an edge runs through the middle of a pixel"
 
 
 @pytest.mark.parametrize("tilt", TILTS)

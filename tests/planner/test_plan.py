@@ -170,7 +170,7 @@ def test_small_and_empty_views(any_renderer: ao.Renderer, embedded: Scene, size:
 
 def test_errors_are_as_predicted(any_renderer: ao.Renderer, embedded: Scene) -> None:
     """Within half to twice: a scene that had no part in the table. The choice among presets follows their true order."""
-    size, seen = (320, 180), embedded.default_camera((320, 180))
+    size, seen = (640, 360), embedded.default_camera((640, 360))
     choice = ao.plan(any_renderer, embedded, seen, size, ALL)
     truth = trace(embedded, seen, size, Tracing(spp=64, radius=choice.settings.method.radius))
     found = {}

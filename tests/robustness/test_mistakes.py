@@ -55,7 +55,7 @@ LINES: dict[str, str] = {
     "render box.glb --radius": "--radius needs a value: Reach, in scene units or as a share of the scene's size, like 10%",
     "apply photo.png": "--depth is needed: Depth, (h, w): NPY, NPZ, EXR",
     # values
-    "render box.glb --method ssao": "there are bitmask, alchemy, crytek, gtao, hbao,",
+    "render box.glb --method ssao": "there are bitmask, alchemy, baked, crytek, gtao, hbao,",
     "render box.glb --method GTAO": "Did you mean 'gtao'?",
     "render box.glb --preset best": "bitmask has no preset 'best'; it has draft, low, medium, high, ultra.",
     "render box.glb --method lecture --preset ultra": "lecture has no preset 'ultra'; it has 4, 8, 16.",
@@ -142,7 +142,7 @@ ANY: Any = ao
 
 CALLS: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
     "missing file": (lambda: ao.render("none.glb"), ao.SceneError, "no such file; expected a scene file"),
-    "nothing": (lambda: ao.render(None), ao.SceneError, "expected a path, Scene, trimesh.Trimesh, trimesh.Scene, pyrender.Scene or points"),
+    "nothing": (lambda: ao.render(None), ao.SceneError, "expected a path, Scene, Volume, trimesh.Trimesh, trimesh.Scene, pyrender.Scene or points"),
     "size as one number": (lambda: ANY.render(BOX, size=640), ao.SettingsError, "must be (width, height) in whole pixels"),
     "size as text": (lambda: ANY.render(BOX, size="640x480"), ao.SettingsError, "like (1280, 720)"),
     "size for camera": (lambda: ao.render(BOX, (640, 480)), ao.SettingsError, "the size is the argument after it: size=(width, height)"),

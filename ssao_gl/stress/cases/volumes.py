@@ -57,7 +57,7 @@ def ball(lab: CaseRunner) -> float:
         middle = np.asarray(place, np.float64)
         volume, camera = (
             _ball(middle, radius),
-            shapes.lens(None, radius, look_at(middle + radius * np.array([0, 0, 4.0]), middle, (0, 1, 0))),
+            shapes.lens(8.0, radius, look_at(middle + radius * np.array([0, 0, 4.0]), middle, (0, 1, 0))),
         )
         seen = lab.render(Scene(volumes=[volume]), camera, radius=radius / 3)
         points = camera.view(lab.size).points(seen.depth.astype(np.float64) / radius)[seen.surface] + [0, 0, 4]
