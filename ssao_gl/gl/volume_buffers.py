@@ -41,6 +41,7 @@ class VolumeBuffers:
         """Raise SceneError for a volume that the driver has no room for."""
         self._resources = resources
         self._center = center
+        self._owned: list[moderngl.Texture3D] = []
         self._volumes: list[_OnGpu] = []
         limit = largest_3d_texture(resources)
         for volume in volumes:
@@ -55,7 +56,9 @@ class VolumeBuffers:
 
     def _texture(self, array: NDArray[Any], dtype: str) -> moderngl.Texture3D:
         data = np.ascontiguousarray(array)
-        return self._resources.ctx.mgl.texture3d(array.shape[::-1], 1, data, alignment=1, dtype=dtype)
+        texture = self._resources.ctx.mgl.texture3d(array.shape[::-1], 1, data, alignment=1, dtype=dtype)
+        self._owned.append(texture)
+        return texture
 
     def draw(self, seen: SceneDraw) -> None:
         """Draw every volume."""
@@ -84,10 +87,9 @@ class VolumeBuffers:
 
     def release(self) -> None:
         """Free every texture."""
-        for on_gpu in self._volumes:
-            on_gpu.field.release()
-            on_gpu.leaps.release()
-        self._volumes = []
+        for texture in self._owned:
+            texture.release()
+        self._owned, self._volumes = [], []
 
 
 def largest_3d_texture(resources: GpuResources) -> int:

@@ -101,7 +101,17 @@ def test_a_thousand_frames(way: str, any_renderer: ao.Renderer) -> None:
 class Faulty:
     """A moderngl context that fails to make its ``at``-th object."""
 
-    MAKERS = ("texture", "depth_renderbuffer", "framebuffer", "buffer", "program", "vertex_array", "sampler", "query")
+    MAKERS = (
+        "texture",
+        "texture3d",
+        "depth_renderbuffer",
+        "framebuffer",
+        "buffer",
+        "program",
+        "vertex_array",
+        "sampler",
+        "query",
+    )
 
     def __init__(self, mgl: moderngl.Context, at: int, error: Callable[[], BaseException]) -> None:
         self._mgl, self.left, self._error = mgl, at, error
@@ -148,7 +158,7 @@ def test_a_thousand_failures_to_make_something(way: str, any_renderer: ao.Render
         with fault(ctx, -1, MemoryError) as counter:
             frame(0), frame(10)
         made = -1 - counter.left
-        assert made > 10, "a frame after a change makes targets anew"
+        assert made >= (1 if way == "volumes" else 11), "a frame after a change makes textures or targets anew"
         objects, memory, failures = alive(ctx, NAMES), resident(), 0
         for turn in itertools.count():
             at, (error, seen) = turn // len(ERRORS) % made + 1, ERRORS[turn % len(ERRORS)]
