@@ -40,11 +40,7 @@ void main() {
     float along = outside ? near : far;
     float z = v_origin.z + radius * along;
     if (!outside && !ssao_seen(z)) discard;
-    ssao_write_depth(z);
-#ifndef LOG_DEPTH
-    vec2 clip = vec2(u_projection[3].z - z * u_projection[2].z, u_projection[3].w - z * u_projection[2].w);
-    gl_FragDepth = 0.5 + 0.5 * clip.x / clip.y;
-#endif
+    ssao_write_met_depth(z, u_projection);
 #ifdef NORMAL
     vec3 n = normalize(from + along * ray);
     n = outside ? n : -n;

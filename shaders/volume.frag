@@ -59,11 +59,7 @@ void main() {
     if (!seen.found) discard;
 
     float z = u_ray_depth.x + seen.s * u_ray_depth.y;
-#ifndef LOG_DEPTH
-    vec2 clip = u_projection[2].zw * -z + u_projection[3].zw;
-    gl_FragDepth = clamp(0.5 + 0.5 * clip.x / clip.y, 0.0, 1.0);
-#endif
-    ssao_write_depth(z);
+    ssao_write_met_depth(z, u_projection);
 #ifdef NORMAL
     vec3 p = start + seen.s * along;
 #ifdef TRANSFER

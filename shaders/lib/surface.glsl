@@ -61,6 +61,15 @@ void ssao_write_depth(float z) {
 void ssao_write_baked(float visibility) { out_baked = vec4(visibility); }
 #endif
 
+// The same for what a ray met in the fragment and no triangle: the depth test goes by it, under the projection of the draw.
+void ssao_write_met_depth(float z, mat4 projection) {
+    ssao_write_depth(z);
+#ifndef LOG_DEPTH
+    vec2 clip = projection[2].zw * -z + projection[3].zw;
+    gl_FragDepth = clamp(0.5 + 0.5 * clip.x / clip.y, 0.0, 1.0);
+#endif
+}
+
 // geometric: normal of the surface itself; n: for shading. Both unit, on the viewer's side.
 void ssao_write_normals(vec3 geometric, vec3 n) {
 #ifdef NORMAL_TARGET

@@ -14,8 +14,9 @@ from ..bake.settings import BY, KERNELS, SIDES, UNWRAP, OcclusionTexture, Vertic
 from ..errors import SceneError, SettingsError
 from ..sampling.falloff import Falloff
 from ..settings import as_table
+from .cache_options import CacheOptions
 from .help_pages import OUTPUT, RARE, RAYS
-from .output import cache_folder, check_json, check_output, check_radius, counted, say, write_json
+from .output import check_json, check_output, counted, own_length, say, write_json
 from .signals import Terminated
 from .tokens import WHOLE, parse_share
 
@@ -57,8 +58,7 @@ class BakedRayOptions:
     def baking(self) -> Baking:
         """Return the settings of the rays; a radius that is a share comes later. Raises SettingsError."""
         given: dict[str, Any] = {field.name: getattr(self, field.name) for field in fields(self)}
-        share = self.radius is None or parse_share(self.radius) is not None
-        return Baking(**{**given, "radius": None if share else float(check_radius(str(self.radius)))})
+        return Baking(**{**given, "radius": own_length(self.radius)})
 
 
 @Parameter(name="*", group=OUTPUT)
@@ -130,15 +130,7 @@ def bake(
     kept: KeptOptions = KeptOptions(),
     rays: BakedRayOptions = BakedRayOptions(),
     pose: PoseOptions = PoseOptions(),
-    cache: Annotated[
-        Path | None,
-        Parameter(
-            group=OUTPUT,
-            negative="",
-            help="Folder where results are kept and interrupted runs go on. [default: the user's cache folder]",
-        ),
-    ] = None,
-    no_cache: Annotated[bool, Parameter(group=OUTPUT, negative="", help="Keep nothing and take nothing from there.")] = False,
+    cache: CacheOptions = CacheOptions(),
     json: Annotated[
         Path | None,
         Parameter(
@@ -158,7 +150,7 @@ def bake(
     """
     check_output("-o", output, (".glb",), folder=True)
     check_json(json)
-    found = _baked(scene, kept, rays, pose, None if no_cache else cache_folder(cache))
+    found = _baked(scene, kept, rays, pose, cache.folder())
     paths = found.save(output)
     where = str(paths[0]) if len(paths) == 1 else f"{output} ({len(paths)} files)"
     say(f"{where}: {_summary(found)}")

@@ -18,6 +18,7 @@ from ..io.atomic import atomic_write, check_writable, is_folder, why_unreadable
 from ..io.cache import default_folder
 from ..io.streams import STDOUT, is_stream, output_suffix
 from ..scene.projection import MAX_SIDE, pixel_size
+from .tokens import parse_share
 
 Item = TypeVar("Item")
 QUIET: ContextVar[bool] = ContextVar("quiet", default=False)
@@ -173,6 +174,11 @@ def check_radius(text: str) -> str:
             f"--radius {text}: must be a number of scene units, or a share of the scene's size above 0, like 10%"
         ) from None
     return text
+
+
+def own_length(radius: str | None) -> float | None:
+    """Return a radius in scene units; None for one that is a share of the scene, or not given. Raises SettingsError."""
+    return None if radius is None or parse_share(radius) is not None else float(check_radius(radius))
 
 
 def parse_vector(name: str, text: str) -> tuple[float, float, float]:

@@ -17,9 +17,10 @@ from ..scene.model import Scene
 from ..scene.projection import Size
 from ..truth import Tracing, Truth, trace
 from ..truth.settings import MOST_SPP, NORMALS, SPP
+from .cache_options import CacheOptions
 from .help_pages import OUTPUT, RAYS
 from .options import ViewOptions
-from .output import cache_folder, check_json, check_output, check_radius, counted, say, write_json
+from .output import check_json, check_output, counted, own_length, say, write_json
 from .signals import Terminated
 from .tokens import WHOLE, parse_share
 
@@ -56,8 +57,7 @@ class RayOptions:
     def tracing(self) -> Tracing:
         """Return the settings of the rays. Raises SettingsError."""
         given = {field.name: getattr(self, field.name) for field in fields(self)}
-        share = self.radius is None or parse_share(self.radius) is not None
-        return Tracing(**{**given, "radius": None if share else float(check_radius(str(self.radius)))})
+        return Tracing(**{**given, "radius": own_length(self.radius)})
 
     def settled(self, tracing: Tracing, scene: Scene) -> Tracing:
         """Return what is traced, with a radius that was given as a share of the scene."""
@@ -78,15 +78,7 @@ def truth(
         ),
     ] = Path("truth.png"),
     rays: RayOptions = RayOptions(),
-    cache: Annotated[
-        Path | None,
-        Parameter(
-            group=OUTPUT,
-            negative="",
-            help="Folder where results are kept and interrupted runs go on. [default: the user's cache folder]",
-        ),
-    ] = None,
-    no_cache: Annotated[bool, Parameter(group=OUTPUT, negative="", help="Keep nothing and take nothing from there.")] = False,
+    cache: CacheOptions = CacheOptions(),
     json: Annotated[
         Path | None,
         Parameter(
@@ -113,7 +105,7 @@ def truth(
         return _bench(view, scene, rays)
     check_output("-o", output, images.SUFFIXES, folder=True)
     check_json(json)
-    folder = None if no_cache else cache_folder(cache)
+    folder = cache.folder()
     loaded = view.load(scene)
     tracing = rays.settled(tracing, loaded)
     camera = view.choose(loaded)

@@ -10,6 +10,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SceneError
+
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
@@ -62,6 +64,16 @@ def machine_memory() -> float:
         return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):
         return math.inf
+
+
+def check_memory(name: str, contents: str, need: float, where: str) -> None:
+    """Raise SceneError where a scene called ``name`` needs more bytes than this machine has. ``contents``: what does, in words."""
+    have = machine_memory()
+    if need > have:
+        raise SceneError(
+            f"{name}: {contents} (instances counted each) need about {need / 2**30:.1f} GiB {where};"
+            f" this machine has {have / 2**30:.1f} GiB. Trace a part of it, or fewer instances"
+        )
 
 
 def threads() -> int:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError, SettingsError
+from ..errors import SettingsError
 from ..scene.bounds import similarity_scale
 from ..scene.spheres import Spheres
-from .blockers import F32, F64, Hits, machine_memory
+from .blockers import F32, F64, Hits, check_memory
 
 CELL = 3.0
 """Side of a cell in mean radii."""
@@ -30,7 +30,8 @@ class SphereBlockers:
         Raises SettingsError without numba, SceneError for more than memory can hold.
         """
         self._kernels = _kernels()
-        _check_memory(placed, name)
+        count = sum(len(spheres.centers) for spheres, _ in placed)
+        check_memory(name, f"{count:,} spheres", count * SPHERE_BYTES, "for rays")
         self._spheres = np.concatenate([_local(spheres, matrix) for spheres, matrix in placed])
         self._low, self._cell, self._shape = self._grid()
         self._starts, self._members = self._lists()
@@ -90,16 +91,6 @@ def _local(spheres: Spheres, matrix: F64) -> F32:
     """Centres and radii (n, 4) in local coordinates."""
     centers = spheres.centers.astype(np.float64) @ matrix[:, :3].T + matrix[:, 3]
     return np.column_stack([centers, spheres.radii * similarity_scale(matrix)]).astype(np.float32)
-
-
-def _check_memory(placed: Sequence[tuple[Spheres, F64]], name: str) -> None:
-    count = sum(len(spheres.centers) for spheres, _ in placed)
-    need, have = count * SPHERE_BYTES, machine_memory()
-    if need > have:
-        raise SceneError(
-            f"{name}: {count:,} spheres (instances counted each) need about {need / 2**30:.1f} GiB for rays;"
-            f" this machine has {have / 2**30:.1f} GiB. Trace a part of it, or fewer instances"
-        )
 
 
 def _kernels() -> Any:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError, SettingsError
+from ..errors import SettingsError
 from ..scene.model import Mesh
 from ..scene.texels import alpha_at
-from .blockers import F32, F64, OFFSET, Hits, machine_memory
+from .blockers import F32, F64, OFFSET, Hits, check_memory
 
 I32 = NDArray[np.int32]
 
@@ -34,7 +34,8 @@ class TriangleBlockers:
         Raises SettingsError without embreex, SceneError for more than Embree can hold.
         """
         embree = _embreex()
-        _check_memory(placed, name)
+        count = sum(len(mesh.triangles) for mesh, _ in placed)
+        check_memory(name, f"{count:,} triangles", count * TRIANGLE_BYTES, "in Embree")
         self._parts = placed
         self._cut = np.array([mesh.cutoff is not None for mesh, _ in self._parts], bool)
         self._embree = embree.rtcore_scene.EmbreeScene(robust=True)  # no leaks along edges
@@ -144,16 +145,6 @@ def _placed(draw: Mesh, matrix: F64) -> F32:
         part = slice(start, start + CHUNK)
         out[part] = draw.positions[part].astype(np.float64) @ matrix[:, :3].T + matrix[:, 3]
     return out
-
-
-def _check_memory(placed: Sequence[tuple[Mesh, F64]], name: str) -> None:
-    count = sum(len(mesh.triangles) for mesh, _ in placed)
-    need, have = count * TRIANGLE_BYTES, machine_memory()
-    if need > have:
-        raise SceneError(
-            f"{name}: {count:,} triangles (instances counted each) need about {need / 2**30:.1f} GiB"
-            f" in Embree; this machine has {have / 2**30:.1f} GiB. Trace a part of it, or fewer instances"
-        )
 
 
 def _embreex() -> Any:

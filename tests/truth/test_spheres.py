@@ -149,7 +149,7 @@ def test_the_key_goes_by_what_is_drawn() -> None:
 
 def test_what_is_missing_or_too_much_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = Scene(spheres=[packed(1000)])
-    monkeypatch.setattr(sys.modules["ssao_gl.truth.spheres"], "machine_memory", lambda: 1e4)
+    monkeypatch.setattr(sys.modules["ssao_gl.truth.blockers"], "machine_memory", lambda: 1e4)
     with pytest.raises(ao.SceneError, match=r"1,000 spheres .* GiB"):
         surface(scene, scene.default_camera(), (8, 6))
     monkeypatch.undo()

@@ -20,7 +20,7 @@ from ssao_gl.truth import store as caching
 from ssao_gl.truth.rays import RayScene
 
 SIZE = (48, 36)
-triangles_module = sys.modules["ssao_gl.truth.triangles"]
+blockers_module = sys.modules["ssao_gl.truth.blockers"]
 
 
 def quad(center: tuple[float, float, float], right: tuple[float, float, float], up: tuple[float, float, float]) -> Mesh:
@@ -240,7 +240,7 @@ def test_errors_are_one_line(courtyard: Scene, seen: Surface, tmp_path: Path, mo
     (tmp_path / "file").write_text("")
     with pytest.raises(FormatError, match="cannot make the folder"):
         trace(courtyard, courtyard.cameras[0], SIZE, Tracing(spp=1), cache=tmp_path / "file")
-    monkeypatch.setattr(triangles_module, "machine_memory", lambda: 1e6)
+    monkeypatch.setattr(blockers_module, "machine_memory", lambda: 1e6)
     with pytest.raises(SceneError, match=r"17,832 triangles .* GiB"):
         RayScene(courtyard)
     for name, what in (
