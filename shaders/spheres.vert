@@ -1,8 +1,7 @@
-// A triangle around the outline of each sphere, one instance of all of them after another, without vertex data: sphere and
-// corner go by the number of the vertex. Seen from the eye, the outline is a circle in a plane of its own (Tarini, Cignoni &
+// A triangle around the outline of each sphere, an instance a block of them, without vertex data: sphere and corner go by the
+// number of the vertex. Seen from the eye, the outline is a circle in a plane of its own (Tarini, Cignoni &
 // Montani, "Ambient Occlusion and Edge Cueing", 2006, place theirs likewise), so the cover is exact under every lens.
 #needs es300
-uniform mat4 u_view;
 uniform mat4 u_projection;
 uniform vec4 u_eye;    // view space: the point where all rays meet and 1; of a parallel projection its direction and 0
 uniform float u_pixel; // side of a pixel, scene units per unit of clip w
@@ -17,19 +16,23 @@ uniform sampler2D u_colors;
 flat VARYING vec4 v_color;
 #endif
 
-ATTRIBUTE mat4 a_model;
+ATTRIBUTE mat4 a_model_view;
+ATTRIBUTE int a_first;  // sphere of the block; behind the last one the texture has spheres of radius 0
 flat VARYING vec4 v_sphere;  // centre in view space, radius
 flat VARYING vec3 v_origin;  // where in the image the centre is seen, 0..1, and its depth; depth 0: it need not be seen at all
+
+#ifdef DRAWN
+#include "lib/drawn_depth.glsl"
+#endif
 
 const float MARGIN = 0.125;  // pixels around the outline: rasterisers round corners to a fraction of one
 
 void main() {
-    int sphere = gl_VertexID / 3, corner = gl_VertexID - 3 * sphere;
+    int of_block = gl_VertexID / 3, corner = gl_VertexID - 3 * of_block, sphere = a_first + of_block;
     ivec2 texel = ivec2(sphere % u_columns, sphere / u_columns);
     vec4 data = texelFetch(u_spheres, texel, 0);
-    mat4 model_view = u_view * a_model;
-    vec3 center = (model_view * vec4(data.xyz, 1.0)).xyz;
-    float radius = data.w * length(model_view[0].xyz);
+    vec3 center = (a_model_view * vec4(data.xyz, 1.0)).xyz;
+    float radius = data.w * length(a_model_view[0].xyz);
     v_sphere = vec4(center, radius);
 #ifdef COLOR
     v_color = u_color;
@@ -48,6 +51,9 @@ void main() {
     away /= max(scale, 1e-37);
     float share = u_eye.w > 0.0 ? (radius / scale) * (radius / scale) / dot(away, away) : 0.0;
     vec2 at = vec2(float(corner == 1) * 2.0, float(corner == 2) * 2.0) * 2.0 - 1.0;  // (-1, -1), (3, -1), (-1, 3)
+#ifdef DRAWN
+    if (ssao_lies_behind(center, radius, u_projection)) radius = 0.0;
+#endif
     if (radius <= 0.0) {
         gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     } else if (!(share < 0.999)) {  // the eye is inside, or almost: the whole image

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import ContextError
 from ..graph.draws import DrawScene, Fullscreen, HostWork, ViewValue
+from ..graph.names import DEPTH, DEPTH_LAYER_2
 from ..graph.plan import Plan, PlannedPass
 from ..graph.regions import DrawRegion, Rect
 from ..scene.camera import Camera
@@ -230,8 +231,11 @@ class FrameExecutor:
             self._resources.bind(unit, textures[resource])
             units[name] = unit
         uniforms = {**units, **self._evaluated(draw, step, textures, view)}
+        depths = [name for name in step.writes if name in (DEPTH, DEPTH_LAYER_2)]
+        framebuffers = self.targets.framebuffers
+        drawn = (lambda: _read(self.plan, framebuffers, depths[0], WHOLE)[..., 0]) if depths else None
         with self._state.nearest_surface():
-            scene.buffers.draw(draw, scene.camera, view, step.writes, uniforms, onto_target(view, step))
+            scene.buffers.draw(draw, scene.camera, view, step.writes, uniforms, onto_target(view, step), drawn)
 
     def _host(
         self,

@@ -55,10 +55,11 @@ class SceneBuffers:
         writes: Sequence[str],
         uniforms: Mapping[str, Any],
         onto: Matrix,
+        drawn_depth: Callable[[], NDArray[np.float32]] | None,
     ) -> None:
         """Draw everything before ``camera`` into the bound framebuffer, whose targets are ``writes`` in this order.
 
-        ``onto``: (4, 4) from clip coordinates of the image to those of the targets.
+        onto: (4, 4) from clip coordinates of the image to those of the targets. drawn_depth: reads their linear depth.
         """
         defines = draw.defines
         to_view = np.asarray(np.linalg.inv(camera.pose), np.float64)
@@ -76,7 +77,7 @@ class SceneBuffers:
             "u_light": LIGHT,
             **uniforms,
         }
-        seen = SceneDraw(draw, tuple(writes), defines, shared, view, from_center, projection)
+        seen = SceneDraw(draw, tuple(writes), defines, shared, view, from_center, projection, drawn_depth)
         for part in self._parts:
             part.draw(seen)
 

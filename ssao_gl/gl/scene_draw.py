@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ..glsl.preprocess import Define
 from ..graph.draws import DrawScene
@@ -30,6 +33,8 @@ class SceneDraw:
 
     writes: the targets, in order. defines, uniforms: of every shader. from_center: (4, 4) float64, from the world's axes about
     the middle of the scene to view space; projection: from there to the clip space of the fitted depth range.
+    drawn_depth: reads the linear depth (h, w) that the target holds already, 0 where nothing is drawn, row 0 at the bottom; None
+    where depth is not drawn.
     """
 
     draw: DrawScene
@@ -39,6 +44,7 @@ class SceneDraw:
     view: ViewConstants
     from_center: Matrix
     projection: Matrix
+    drawn_depth: Callable[[], NDArray[np.float32]] | None = None
 
     @property
     def first_unit(self) -> int:

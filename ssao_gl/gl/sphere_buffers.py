@@ -1,4 +1,4 @@
-"""Spheres in GL textures, and how they are drawn into a G-buffer: one triangle each, without vertex data."""
+"""Spheres in GL textures, and how they are drawn into a G-buffer: one triangle each, block by block, without vertex data."""
 
 from __future__ import annotations
 
@@ -12,24 +12,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..graph.names import COLOR, NORMAL, SHADING_NORMAL
+from ..scene.ball_culling import in_view, nearest_first
 from ..scene.bounds import similarity_scale
 from ..scene.projection import ViewConstants
+from ..scene.sphere_blocks import SphereBlocks, sphere_blocks
 from ..scene.spheres import Spheres
+from .drawn_depth import DrawnDepth
 from .programs import GpuResources, Program
 from .scene_draw import SceneDraw
 
 COLUMNS = 2048
 """Of the textures, which hold a sphere a texel."""
 CORNERS = 3
+MANY = 1 << 16
+"""Spheres from which looking for hidden ones pays."""
+INSTANCE = np.dtype([("model_view", "f4", (4, 4)), ("first", "i4")])
 LARGEST = 3e38
 """Of 32-bit floats."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Placed:
-    """Spheres on the GPU. places: (k, 4, 4) float64 from their texture to the scene's middle; balls: (k, 4) around each copy."""
+    """Spheres on the GPU.
+
+    blocks: of them, in the order of the texture. places: (k, 4, 4) float64 from there to the scene's middle, for each copy.
+    balls: (k b, 4) around the blocks of each copy, one copy after another. instances: matrix and first sphere of what is drawn.
+    """
 
     spheres: Spheres
+    blocks: SphereBlocks
     data: moderngl.Texture
     colors: moderngl.Texture | None
     places: NDArray[np.float64]
@@ -44,6 +55,7 @@ class SphereBuffers:
         self._resources = resources
         self._center = center
         self._owned: list[Any] = []
+        self._drawn = DrawnDepth(resources)
         self._arrays: dict[tuple[int, Program], moderngl.VertexArray] = {}
         try:
             self._placed = [self._upload(one) for one in spheres]
@@ -57,13 +69,18 @@ class SphereBuffers:
         middle = (low + high) / 2
         places = spheres.transforms.copy()
         places[:, :3, 3] += places[:, :3, :3] @ middle - self._center
-        reach = float(np.linalg.norm(high - low)) / 2 + float(spheres.radii.max())
+        about = spheres.centers - middle
+        blocks = sphere_blocks(about, spheres.radii)
         scales = np.array([similarity_scale(matrix) for matrix in places])
-        balls = np.column_stack([places[:, :3, 3], reach * scales])
-        data = np.column_stack([spheres.centers - middle, spheres.radii]).astype(np.float32)
-        colors = None if spheres.colors is None else self._texture(spheres.colors, "f1")
-        instances = self._owning(self._resources.ctx.mgl.buffer(reserve=64 * len(places), dynamic=True))
-        return _Placed(spheres, self._texture(data, "f4"), colors, places, balls, instances)
+        balls = np.empty((len(places), len(blocks.balls), 4))
+        balls[..., :3] = np.einsum("kij,bj->kbi", places[:, :3, :3], blocks.balls[:, :3]) + places[:, None, :3, 3]
+        balls[..., 3] = blocks.balls[:, 3] * scales[:, None]
+        data = np.column_stack([about, spheres.radii]).astype(np.float32)[blocks.order]
+        colors = None if spheres.colors is None else self._texture(spheres.colors[blocks.order], "f1")
+        instances = self._owning(
+            self._resources.ctx.mgl.buffer(reserve=INSTANCE.itemsize * len(places) * len(blocks.balls), dynamic=True)
+        )
+        return _Placed(spheres, blocks, self._texture(data, "f4"), colors, places, balls.reshape(-1, 4), instances)
 
     def _texture(self, rows: NDArray[Any], dtype: str) -> moderngl.Texture:
         """Return (n, 4) values as a texture of ``COLUMNS`` columns."""
@@ -79,36 +96,60 @@ class SphereBuffers:
         return made
 
     def draw(self, seen: SceneDraw) -> None:
-        """Draw all of them whose copy may be in the image."""
-        shared = {**seen.uniforms, **seen.view.constants, **_lens(seen.view)}
-        unit = seen.first_unit
+        """Draw all of them whose block may be in the image: many by waves, of which each leaves out what those before it hide."""
         for number, placed in enumerate(self._placed):
-            copies = placed.places[_may_be_seen(placed.balls, seen)]
-            if not len(copies):
+            at = placed.balls.copy()
+            at[:, :3] = placed.balls[:, :3] @ seen.from_center[:3, :3].T + seen.from_center[:3, 3]
+            shown = np.flatnonzero(in_view(at, seen.view, seen.projection))
+            if placed.blocks.size * len(shown) < MANY or seen.drawn_depth is None:
+                self._draw_blocks(number, shown, seen)
                 continue
-            program = self._resources.program(*seen.draw.shaders["spheres"], {**_defines(placed, seen), **seen.defines})
-            program.set({name: value for name, value in shared.items() if name in program.declared})
-            self._resources.bind(unit, placed.data)
-            program.set({"u_spheres": unit, "u_columns": COLUMNS})
-            if "COLOR" in seen.target_defines:
-                program.set({"u_color": (*placed.spheres.color, 1.0)})
-                if placed.colors is not None:
-                    self._resources.bind(unit + 1, placed.colors)
-                    program.set({"u_colors": unit + 1})
-            placed.instances.write(np.ascontiguousarray(copies.transpose(0, 2, 1), "f4"))
-            array = self._array(number, program)
-            array.render(moderngl.TRIANGLES, vertices=CORNERS * len(placed.spheres.centers), instances=len(copies))
+            first, *others = (shown[wave] for wave in nearest_first(at[shown], seen.projection, seen.view.size))
+            self._draw_blocks(number, first, seen)
+            for wave in others:
+                self._drawn.update(seen.drawn_depth())
+                self._draw_blocks(number, wave, seen, self._drawn)
+
+    def _draw_blocks(self, number: int, blocks: NDArray[np.intp], seen: SceneDraw, drawn: DrawnDepth | None = None) -> None:
+        placed = self._placed[number]
+        if not len(blocks):
+            return
+        copies, within = np.divmod(blocks, len(placed.blocks.balls))
+        instances = np.empty(len(blocks), INSTANCE)
+        instances["model_view"] = (seen.from_center @ placed.places).transpose(0, 2, 1)[copies]
+        instances["first"] = within * placed.blocks.size
+        placed.instances.write(instances)
+        array = self._array(number, self._program(placed, seen, drawn))
+        array.render(moderngl.TRIANGLES, vertices=CORNERS * placed.blocks.size, instances=len(blocks))
+
+    def _program(self, placed: _Placed, seen: SceneDraw, drawn: DrawnDepth | None) -> Program:
+        """Return what draws them, ready but for the instances."""
+        defines = {**_defines(placed, seen), **seen.defines, **({"DRAWN": 1} if drawn else {})}
+        program = self._resources.program(*seen.draw.shaders["spheres"], defines)
+        shared = {**seen.uniforms, **seen.view.constants, **_lens(seen.view)}
+        program.set({name: value for name, value in shared.items() if name in program.declared})
+        unit = seen.first_unit
+        self._resources.bind(unit, placed.data)
+        program.set({"u_spheres": unit, "u_columns": COLUMNS})
+        if drawn:
+            program.set(drawn.bound(unit + 2))
+        if "COLOR" in seen.target_defines:
+            program.set({"u_color": (*placed.spheres.color, 1.0)})
+            if placed.colors is not None:
+                self._resources.bind(unit + 1, placed.colors)
+                program.set({"u_colors": unit + 1})
+        return program
 
     def _array(self, number: int, program: Program) -> moderngl.VertexArray:
         array = self._arrays.get((number, program))
         if array is None:
-            content = [(self._placed[number].instances, "16f/i", "a_model")]
+            content = [(self._placed[number].instances, "16f 1i/i", "a_model_view", "a_first")]
             array = self._arrays[number, program] = self._resources.ctx.mgl.vertex_array(program.mgl, content)
         return array
 
     def release(self) -> None:
         """Free every texture and buffer."""
-        for made in (*self._arrays.values(), *self._owned):
+        for made in (*self._arrays.values(), *self._owned, self._drawn):
             made.release()
         self._arrays, self._owned, self._placed = {}, [], []
 
@@ -135,16 +176,3 @@ def _lens(view: ViewConstants) -> dict[str, Any]:
         eye = (*c["u_ray0"], -1.0, 0.0)
     far = view.far if math.isfinite(view.far) else LARGEST
     return {"u_eye": eye, "u_near_far": (view.near, min(far, LARGEST)), "u_pixel": view.pixel}
-
-
-def _may_be_seen(balls: NDArray[np.float64], seen: SceneDraw) -> NDArray[np.bool_]:
-    """Which balls (k, 4) about the scene's middle reach into the view."""
-    view, middle, reach = seen.view, balls[:, :3], balls[:, 3]
-    at = middle @ seen.from_center[:3, :3].T + seen.from_center[:3, 3]
-    inside = (-at[:, 2] + reach >= view.near) & (-at[:, 2] - reach <= view.far)
-    rows = view.projection
-    for axis in (0, 1):
-        for side in (1, -1):
-            plane = rows[3] + side * rows[axis]
-            inside &= at @ plane[:3] + plane[3] >= -reach * np.linalg.norm(plane[:3])
-    return np.asarray(inside)

@@ -9,6 +9,8 @@ import pytest
 import trimesh
 
 import ssao_gl as ao
+from ssao_gl.gl import sphere_buffers
+from ssao_gl.gl.drawn_depth import DrawnDepth
 from ssao_gl.gl.executor import FrameExecutor, SceneView
 from ssao_gl.gl.programs import GpuResources
 from ssao_gl.gl.scene_buffers import SceneBuffers
@@ -165,3 +167,48 @@ def test_spheres_without_a_size_are_not_seen(renderer: ao.Renderer) -> None:
     camera = CAMERAS["perspective"]
     a, b = (renderer.render(scene, camera, SIZE, aovs="depth").depth for scene in (with_points, without))
     np.testing.assert_array_equal(a, b)
+
+
+@pytest.mark.parametrize(
+    "name", ["perspective", "wide", "parallel", "off centre", "oblique parallel", "near plane through", "within"]
+)
+def test_what_others_hide_is_left_out_and_changes_no_byte(
+    name: str, renderer: ao.Renderer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    random = np.random.default_rng(8)
+    spheres = Spheres(
+        random.uniform(-1, 1, (6000, 3)).astype(np.float32),
+        random.uniform(0.02, 0.08, 6000).astype(np.float32),
+        random.integers(0, 255, (6000, 4), np.uint8) | np.uint8([0, 0, 0, 255]),
+    )
+    scene, aovs = Scene(spheres=[spheres]), ("depth", "normal", "color")
+    taken = []
+    update = DrawnDepth.update
+    monkeypatch.setattr(DrawnDepth, "update", lambda self, depth: (taken.append((depth > 0).mean()), update(self, depth))[1])
+    whole = renderer.render(scene, CAMERAS[name], SIZE, aovs=aovs)
+    assert not taken
+    monkeypatch.setattr(sphere_buffers, "MANY", 1)
+    waves = renderer.render(scene, CAMERAS[name], SIZE, aovs=aovs, checked=True)
+    assert len(taken) >= 2 and taken == sorted(taken) and taken[0] > 0.005
+    for aov in aovs:
+        assert whole.arrays[aov].tobytes() == waves.arrays[aov].tobytes(), aov
+
+
+def test_spheres_behind_what_is_drawn_are_not_drawn(renderer: ao.Renderer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a depth that hides everything only the first wave is there; with one that hides nothing, all."""
+    monkeypatch.setattr(sphere_buffers, "MANY", 1)
+    centers = np.random.default_rng(2).uniform(-1, 1, (6000, 3)).astype(np.float32)
+    scene = Scene(spheres=[Spheres(centers, np.full(6000, 0.03, np.float32))])
+    update, covered = DrawnDepth.update, {}
+    for name, depth in (("near", 1e-3), ("far", 1e3), ("none", 0.0)):
+        first: list[int] = []
+
+        def updated(self: DrawnDepth, drawn: np.ndarray, depth: float = depth, first: list[int] = first) -> None:
+            first.append(int((drawn > 0).sum()))
+            update(self, np.full_like(drawn, depth))
+
+        monkeypatch.setattr(DrawnDepth, "update", updated)
+        picture = renderer.render(scene, CAMERAS["perspective"], SIZE, aovs=("depth",), checked=True)
+        covered[name] = int((picture.depth > 0).sum()), first[0]
+    assert covered["near"][0] == covered["near"][1] < 0.5 * covered["far"][0]
+    assert covered["far"] == covered["none"]
