@@ -175,7 +175,7 @@ def test_traits_tell_what_is_read(name: str) -> None:
     inputs = {
         names.DEPTH: "depth", names.PIXEL_DEPTH: "depth", names.DEPTH_OVER_FAR: "depth", names.NORMAL: "normal",
         names.PIXEL_NORMAL: "normal", names.DEPTH_LAYER_2: "second_layer",
-        names.DEPTH_RANGE: "depth_table", names.DEPTH_TABLE: "depth_table", names.BAKED: "baked",
+        names.DEPTH_RANGE: "depth_table", names.DEPTH_TABLE: "depth_table", names.BAKED: "baked", names.HIDDEN: "scene",
     }  # fmt: skip
     for preset in ({}, *kind.presets.values()):
         method = kind(**preset)

@@ -14,7 +14,15 @@ DEMOS = sorted((Path(__file__).parents[1] / "demos").glob("[0-9]*.py"))
 SIZE = (96, 54)
 EXCUSES = {"skipped: pyrender cannot be imported here": 0, "OffscreenRenderer skipped: pyrender's own OpenGL does not": 1}
 """What 04_pyrender.py says where pyrender's own OpenGL is missing, and how many pictures it makes all the same."""
-PICTURES = {"01_hello": 3, "02_numpy": 2, "03_trimesh": 2, "04_pyrender": 3, "08_molecule": 2, "09_volume": 2}
+PICTURES = {
+    "01_hello": 3,
+    "02_numpy": 2,
+    "03_trimesh": 2,
+    "04_pyrender": 3,
+    "08_molecule": 2,
+    "09_volume": 2,
+    "11_object_space": 6,
+}
 
 
 def test_the_demos_are_here() -> None:

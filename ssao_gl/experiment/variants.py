@@ -22,14 +22,16 @@ BASELINE = ScreenSpace("lecture", "4 taps, no filter", Settings(method=Lecture()
 
 
 def variants(methods: Sequence[str] = (), presets: Sequence[str] = (), ranges: Iterable[str] = ()) -> list[ScreenSpace]:
-    """Methods (all but the exhaustive one when none are named) times their presets (all), or times ``ranges``.
+    """Methods (all but those that may take minutes when none are named) times their presets (all), or times ``ranges``.
 
     ranges: texts like ``alchemy.samples=4,8,16``; several make every combination, upon the method's defaults or the
     named presets. A method without any of the named presets takes part as it is. Raises SettingsError for unknown names.
     """
     for name in methods:
         method(name)
-    chosen = list(dict.fromkeys(methods)) or [name for name in general() if name != TRUTH]
+    chosen = list(dict.fromkeys(methods)) or [
+        name for name in general() if name != TRUTH and method(name).traits.prisms is None
+    ]
     spreads = _spreads(ranges, chosen)
     found = [
         ScreenSpace(name, label, Settings(method=record))

@@ -131,6 +131,11 @@ class Context:
         """The shader dialect that this context compiles."""
         return "es300" if self.api == "es" else "gl330"
 
+    @property
+    def blends_floats(self) -> bool:
+        """Whether colours of 32-bit float targets can be added up; those of half floats can everywhere."""
+        return self.api == "gl" or "GL_EXT_float_blend" in self.extensions()
+
     def extensions(self) -> frozenset[str]:
         """Names of all extensions."""
         get = self.functions("glGetStringi", ctypes.c_char_p, ctypes.c_uint, ctypes.c_uint)

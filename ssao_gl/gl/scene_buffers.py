@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..graph.draws import DrawScene
+from ..graph.draws import DrawPrisms, DrawScene
 from ..scene.camera import Camera
 from ..scene.model import Mesh, Scene
 from ..scene.projection import Matrix, ViewConstants
@@ -16,6 +16,7 @@ from ..scene.spheres import Spheres
 from ..scene.volume import Volume
 from .depth_range import fit_depth_range, log_depth, near_one
 from .mesh_buffers import MeshBuffers
+from .prism_buffers import PrismBuffers
 from .programs import GpuResources
 from .scene_draw import SceneDraw, ThingBuffers
 from .sphere_buffers import SphereBuffers
@@ -37,6 +38,8 @@ class SceneBuffers:
 
     def __init__(self, resources: GpuResources, scene: Scene) -> None:
         self.scene = scene
+        self._resources = resources
+        self._prisms: PrismBuffers | None = None
         self._parts: list[ThingBuffers] = []
         self._center = scene.bounds.mean(0)
         try:
@@ -81,6 +84,14 @@ class SceneBuffers:
         for part in self._parts:
             part.draw(seen)
 
+    def draw_prisms(
+        self, draw: DrawPrisms, camera: Camera, view: ViewConstants, uniforms: Mapping[str, Any], onto: Matrix
+    ) -> None:
+        """Draw the space around every triangle into the bound framebuffer. ``onto``: as of :meth:`draw`."""
+        if self._prisms is None:
+            self._prisms = PrismBuffers(self._resources, self.scene)
+        self._prisms.draw(draw, camera, view, uniforms, onto)
+
     def _depth_range(self, from_center: Matrix) -> tuple[float, float]:
         """Smallest and largest linear depth of the scene's bounding box."""
         half = (self.scene.bounds[1] - self.scene.bounds[0]) / 2
@@ -93,3 +104,6 @@ class SceneBuffers:
         for part in self._parts:
             part.release()
         self._parts = []
+        if self._prisms is not None:
+            self._prisms.release()
+            self._prisms = None

@@ -106,6 +106,21 @@ class DrawScene:
 
 
 @dataclass(frozen=True, slots=True)
+class DrawPrisms:
+    """The space around each triangle of the frame's scene, up to ``radius`` (scene units) from it, where the pixels within are.
+
+    shaders: vertex and fragment shader. both_sides: in front of the triangle and behind it.
+    """
+
+    shaders: tuple[str, str]
+    radius: float
+    both_sides: bool
+    samplers: Mapping[str, str] = field(default_factory=dict)
+    uniforms: Mapping[str, Uniform] = field(default_factory=dict)
+    defines: Mapping[str, Define] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class HostWork:
     """What the host computes between two draws, for the part of the image that is wanted: one number a pixel.
 
@@ -117,7 +132,7 @@ class HostWork:
     values: Mapping[str, Define] = field(default_factory=dict)
 
 
-Draw = Fullscreen | DrawScene | HostWork
+Draw = Fullscreen | DrawScene | DrawPrisms | HostWork
 
 
 def as_uniforms(values: Mapping[str, object]) -> dict[str, Uniform]:

@@ -15,6 +15,9 @@ COLOR = "base_color"
 BAKED = "baked_visibility"
 """Visibility that the scene's meshes keep, 1 where they keep none."""
 
+HIDDEN = "hidden"
+"""Sum over the scene's triangles of the share of a pixel's hemisphere that each hides."""
+
 PIXEL_DEPTH, PIXEL_NORMAL = "pixel_depth", "pixel_normal"
 """What a method reads of the pixel itself: depth and normals at the size at which occlusion is drawn."""
 DEPTH_SMALL, NORMAL_SMALL = "depth_small", "normal_small"

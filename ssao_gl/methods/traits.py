@@ -27,6 +27,20 @@ CAMERAS = {
 NEEDS_SCENE = frozenset({"second_layer", "history", "scene", "prepared", "baked"})
 
 
+@dataclass(frozen=True, slots=True)
+class PrismTraits:
+    """How a method adds up what each triangle of the scene hides.
+
+    power: of the falloff with height above the triangle. both_sides: also behind it. exact_sums: in 32-bit floats. max_fill: fragments
+    beyond which it refuses.
+    """
+
+    power: float
+    both_sides: bool
+    exact_sums: bool
+    max_fill: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Traits:
     """What the pipeline may ask of a method with its settings. The defaults suit a plain method of full size."""
@@ -69,6 +83,8 @@ class Traits:
     refine_below: float = 0.0
     """Weight of the smaller image's texels below which a pixel is drawn again, by ``refined``."""
     refined: Method | None = None
+    prisms: PrismTraits | None = None
+    """How what it reads of the scene's triangles is added up; None: it reads nothing of them."""
     affordable: Method | None = None
     """The method with fewer taps, where its own make it exhaustive: for tests by the thousand."""
 
@@ -76,6 +92,11 @@ class Traits:
     def needs_scene(self) -> bool:
         """Whether a depth buffer alone is not enough."""
         return bool(self.inputs & NEEDS_SCENE)
+
+    @property
+    def draws_arrays(self) -> bool:
+        """Whether it, or the method of one layer in its place, draws depth buffers that come without a scene."""
+        return not self.needs_scene or self.single_layer is not None
 
     @property
     def any_scene(self) -> bool:

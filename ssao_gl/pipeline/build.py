@@ -38,6 +38,7 @@ from ..passes.gbuffer import gbuffer, layer_behind
 from ..passes.halo import paint_halo
 from ..passes.occlusion import occlude, refine_missed
 from ..passes.prepare import depth_over_far, encode_normals, linearize, pack_visibility, reconstruct_normals
+from ..passes.prisms import add_prisms
 from ..passes.resolution import downsample, upsample, upsample_by_depth
 from ..scene.projection import Size, ViewConstants
 from .culling import CullingPlan, plan_culling
@@ -69,6 +70,7 @@ def plan_render(
         gbuffer(WHITE, geometric=flat),
         layer_behind(traits.layer_gap * (settings.method.radius or 0.0), traits.layer_scale),
         *_depth_table(settings, size),
+        *add_prisms(settings.method, drawn_scale(settings)),
         *corrected(settings, _visibility(settings, culling, bent=bent), culling.mask),
         *_image(settings, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
     ]

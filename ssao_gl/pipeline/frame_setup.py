@@ -14,6 +14,7 @@ from ..scene.model import Scene
 from ..scene.projection import Size, ViewConstants
 from ..scene.screen_bounds import screen_bounds
 from .build import check_camera, plan_render
+from .fill import check_fill
 from .kept import check_kept
 from .settings import GUARD_STEP, Settings, guard_band
 
@@ -44,7 +45,7 @@ class FrameSetup:
 def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, limit: int) -> FrameSetup:
     """Frame an image of ``size`` pixels. ``limit``: largest side of a texture.
 
-    Raises SettingsError for a camera that the method is not defined for.
+    Raises SettingsError for a camera that the method is not defined for, and for a view that would take it too long.
     """
     settings = settings.settled(camera.ao_radius or scene.default_radius(), scene.background)
     (w, h), room = size, (limit - max(size)) // 2 // GUARD_STEP * GUARD_STEP
@@ -56,6 +57,7 @@ def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, li
     view = wide.view(outer)
     check_camera(settings, view)
     check_kept(settings, scene)
+    check_fill(settings, scene, wide, view)
     covered = screen_bounds(scene.bounds, camera, view)
     corner = tile.corner[0] - border, tile.corner[1] - border
     region = DrawRegion((border, border, w, h) if border else None, None if "background" in settings.keep else covered)

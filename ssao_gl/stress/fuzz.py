@@ -42,8 +42,9 @@ def random_case(seed: int, number: int) -> Case:
 
 
 def planned(seed: int, numbers: range, subjects: list[Specimen]) -> Iterator[tuple[Case, Specimen]]:
-    """Random cases, by blocks over the subjects in turn."""
-    for number in numbers:
+    """Random cases, by blocks over the subjects in turn: over those that draw depth images, which these cases are."""
+    subjects = [subject for subject in subjects if not subject.method.traits.needs_scene]
+    for number in numbers if subjects else ():
         yield random_case(seed, number), subjects[number // BLOCK % len(subjects)]
 
 

@@ -63,8 +63,13 @@ class CaseRunner:
             shot = shot.but(size=self.size if shot.depth is None else shot.depth.shape[::-1])
         self.shots.append(shot)
         settings = self.subject.settings(shot)
-        if shot.scene is None and "second_layer" in settings.method.traits.inputs:
-            raise NotApplicable("a depth image has one layer, for which the method is another")
+        if shot.scene is None and settings.method.traits.needs_scene:
+            one_layer = settings.method.traits.single_layer is not None
+            raise NotApplicable(
+                "a depth image has one layer, for which the method is another"
+                if one_layer
+                else "a depth image has no scene, which the method needs"
+            )
         watched = dataclasses.replace(settings, method=finite_check.with_finite_check(settings.method))
         finite = self._draw(renderer, shot, watched, ("visibility",)).visibility
         picture = self._draw(renderer, shot, settings, ("visibility", "depth", "normal"))
@@ -77,11 +82,11 @@ class CaseRunner:
         renderer = renderer or self.renderer
         options: dict[str, Any] = {"settings": settings, "aovs": aovs, "checked": True}
         try:
-            if shot.scene is not None:
-                return renderer.render(shot.scene, shot.camera, shot.size or self.size, **options)
-            assert shot.depth is not None
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", InputWarning)  # what is wrong with a shot is known
+                if shot.scene is not None:
+                    return renderer.render(shot.scene, shot.camera, shot.size or self.size, **options)
+                assert shot.depth is not None
                 return renderer.apply(shot.depth, shot.camera, normals=shot.normals, depth_kind=shot.kind, **options)
         except ContextError as error:
             raise Broken(str(error), shot) from None

@@ -36,7 +36,7 @@ def test_random_cases_are_of_all_kinds() -> None:
     assert 100 < len(hostile) < 1500
 
 
-def test_blocks_take_turns_over_the_subjects() -> None:
-    every = specimens()
-    planned = list(fuzz.planned(0, range(len(every) * fuzz.BLOCK), every))
+def test_blocks_take_turns_over_the_subjects_that_draw_depth_images() -> None:
+    every = [subject for subject in specimens() if subject.name != "aov"]
+    planned = list(fuzz.planned(0, range(len(every) * fuzz.BLOCK), specimens()))
     assert [subject for _, subject in planned[:: fuzz.BLOCK]] == every

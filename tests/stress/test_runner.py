@@ -27,7 +27,7 @@ from ssao_gl.stress.runner import Broken, CaseRunner
 from ssao_gl.stress.shapes import lens, plane
 from ssao_gl.stress.shot import Shot
 from ssao_gl.stress.specimen import Specimen, specimens
-from ssao_gl.stress.verdicts import DECLARED, FAIL, PASS, CaseResult, run_cases, runs
+from ssao_gl.stress.verdicts import ABSENT, DECLARED, FAIL, PASS, CaseResult, run_cases, runs
 
 from ..conftest import openable
 
@@ -62,7 +62,9 @@ def failures(rows: list[CaseResult]) -> list[str]:
 def test_every_named_case(wide: ao.Renderer, first: Any, name: str) -> None:
     rows = list(run_cases(wide, runs(cases().values(), specimens([name])), first))
     assert len(rows) == len(cases()) and failures(rows) == []
-    assert Counter(row.verdict for row in rows)[PASS] > len(rows) / 2
+    verdicts = Counter(row.verdict for row in rows)
+    absent = verdicts[ABSENT] if ao.method(name).traits.needs_scene else 0  # of those that draw depth images
+    assert verdicts[PASS] > max(len(rows) - absent, 60) / 2
 
 
 def test_random_cases(wide: ao.Renderer) -> None:

@@ -21,7 +21,7 @@ def feedback(lab: CaseRunner) -> float:
     """No pass reads a texture while it draws into it."""
     settings = lab.subject.settings(Shot(lens(), blur="joint"))
     plans = [plan_render(settings, lab.size)]
-    if "second_layer" not in settings.method.traits.inputs:
+    if settings.method.traits.draws_arrays:
         plans += [plan_apply(settings, lab.size, normals=normals) for normals in (False, True)]
     return float(sum(_loops(plan) for plan in plans))
 

@@ -83,6 +83,8 @@ def too_large(lab: CaseRunner) -> float:
     """An image larger than the driver's largest texture is refused in one line, before anything is drawn."""
     side = lab.renderer.ctx.max_size + 1
     shot = Shot(lens(), depth=np.full((1, side), 5.0, np.float32))
+    if not lab.subject.method.traits.draws_arrays:
+        raise NotApplicable("a depth image has no scene, which the method needs")
     try:
         lab.renderer.apply(shot.depth, shot.camera, settings=lab.subject.settings(shot))  # type: ignore[arg-type]
     except ContextError as refusal:
