@@ -1,6 +1,7 @@
 from . import gl
 from .api import apply, normals_from_depth, occlusion, render
 from .bake import Baked, Baking, OcclusionTexture, Vertices, bake
+from .batch import batch
 from .errors import ContextError, FormatError, GraphError, InputWarning, SceneError, SettingsError, ShaderError, SsaoError
 from .io.srgb import multiply
 from .loaders.as_scene import as_scene
@@ -70,6 +71,7 @@ __all__ = [
     "apply",
     "as_scene",
     "bake",
+    "batch",
     "compare",
     "gl",
     "load_scene",

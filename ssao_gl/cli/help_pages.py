@@ -17,6 +17,11 @@ ALL: ContextVar[bool] = ContextVar("help-all", default=False)
 
 COMMANDS: Mapping[str, tuple[str, str]] = {
     "render": ("ssao_gl.cli.render:render", "Render a scene file with ambient occlusion."),
+    "batch": (
+        "ssao_gl.cli.batch:batch",
+        "Draw many views of many scenes, by several processes or a cluster.\n\n"
+        "The same command goes on where it was cut, and redoes what changed. Exits with 1 when views failed.",
+    ),
     "apply": ("ssao_gl.cli.apply:apply", "Dim a picture by the occlusion of its depth."),
     "compare": ("ssao_gl.cli.compare:compare", "Compare two pictures or arrays; exit 1 when over a limit."),
     "methods": ("ssao_gl.cli.methods:methods", "List methods and filters; with a NAME its settings, ranges and defaults."),

@@ -282,6 +282,7 @@ class FrameExecutor:
 
     def _clear(self, step: PlannedPass, target: DrawTarget, values: Mapping[str, Sequence[float]]) -> None:
         """Fill targets with what is left where nothing is drawn; those that are drawn over stay."""
+        # Values are passed as they are: the address of one that nobody holds may be another thread's memory by the time of the call.
         target.use()
         gl, size = self._resources.ctx.functions, ctypes.c_int
         clear = gl("glClearBufferfv", None, ctypes.c_uint, size, ctypes.c_void_p)
@@ -290,11 +291,11 @@ class FrameExecutor:
                 continue
             if step.task.writes[name].format.endswith("ui"):
                 integers = (ctypes.c_uint * 4)(*map(int, values[name]))
-                gl("glClearBufferuiv", None, ctypes.c_uint, size, ctypes.c_void_p)(GL_COLOR, index, ctypes.addressof(integers))
+                gl("glClearBufferuiv", None, ctypes.c_uint, size, ctypes.c_void_p)(GL_COLOR, index, integers)
             else:
-                clear(GL_COLOR, index, ctypes.addressof((ctypes.c_float * 4)(*values[name])))
+                clear(GL_COLOR, index, (ctypes.c_float * 4)(*values[name]))
         if step.task.depth:
-            clear(GL_DEPTH, 0, ctypes.addressof(ctypes.c_float(1.0)))
+            clear(GL_DEPTH, 0, ctypes.byref(ctypes.c_float(1.0)))
 
     def _copy(self, texture: moderngl.Texture, view: ViewConstants, target: DrawTarget) -> None:
         """Draw an output into a framebuffer of the caller's."""

@@ -80,7 +80,7 @@ class FrameTargets:
         for texture in textures:
             framebuffer = self._resources.ctx.mgl.framebuffer([texture])
             framebuffer.use()
-            clear(GL_COLOR, 0, ctypes.addressof((ctypes.c_float * 4)()))
+            clear(GL_COLOR, 0, (ctypes.c_float * 4)())
             self._resources.home.use()
             framebuffer.release()
 

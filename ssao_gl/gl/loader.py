@@ -119,7 +119,7 @@ def _es_shims(gl: Functions, version: int) -> dict[str, Any]:
         gl("glDepthRangef", None, F, F)(near, far)
 
     def draw_buffer(mode: int) -> None:
-        gl("glDrawBuffers", None, I, P)(1, ctypes.addressof(U(mode)))
+        gl("glDrawBuffers", None, I, P)(1, ctypes.byref(U(mode)))
 
     def color_mask_indexed(index: int, r: int, g: int, b: int, a: int) -> None:
         if index == 0:  # without the indexed form all targets share one mask

@@ -97,7 +97,7 @@ class SceneTextures:
             texture.release()
         delete = self._ctx.functions("glDeleteSamplers", None, ctypes.c_int, ctypes.c_void_p)
         for sampler in self._samplers.values():
-            delete(1, ctypes.addressof(ctypes.c_uint(sampler)))
+            delete(1, ctypes.byref(ctypes.c_uint(sampler)))
         self._textures, self._samplers = {}, {}
 
 

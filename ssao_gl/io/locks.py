@@ -16,10 +16,14 @@ else:
     import fcntl
 
 
+class HeldError(FormatError):
+    """Another run writes there now."""
+
+
 def lock(handle: int, what: Path) -> bool:
     """Lock an open file for this process; the lock goes when the handle is closed. False where files cannot be locked.
 
-    ``what``: the output that it stands for. Raises FormatError when another run holds it.
+    ``what``: the output that it stands for. Raises HeldError when another run holds it.
     """
     try:
         if sys.platform == "win32":
@@ -27,9 +31,7 @@ def lock(handle: int, what: Path) -> bool:
         else:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except (BlockingIOError, PermissionError):  # the second is Windows'
-        raise FormatError(
-            f"cannot write {what}: another run is writing there now; wait for it, or choose another name"
-        ) from None
+        raise HeldError(f"cannot write {what}: another run is writing there now; wait for it, or choose another name") from None
     except OSError:  # a file system without locks
         return False
     return True
