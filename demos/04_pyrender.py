@@ -1,4 +1,4 @@
-"""pyrender, two ways: ssao_gl draws a pyrender.Scene by itself, or dims what pyrender's OffscreenRenderer drew."""
+"""pyrender, three ways: ssao_gl draws a pyrender.Scene, stands in for its OffscreenRenderer, or dims what that drew."""
 
 import argparse
 import os
@@ -38,6 +38,15 @@ def main(folder: Path, size: tuple[int, int]) -> None:
         return print(f"skipped: pyrender cannot be imported here ({reason})")
     scene = build(pyrender)
     ao.render(scene, size=size, method=ao.Alchemy(radius=0.6)).save(folder / "04_direct.png")
+
+    # A script that uses pyrender's OffscreenRenderer keeps all its calls; this one is drawn by ssao_gl.
+    with ao.OffscreenRenderer(*size, settings=ao.Settings(method=ao.Alchemy(radius=0.6))) as stand_in:
+        color, depth = stand_in.render(scene, pyrender.RenderFlags.RGBA)
+        segments, _ = stand_in.render(
+            scene, pyrender.RenderFlags.SEG, {node: 60 + 60 * i for i, node in enumerate(scene.mesh_nodes)}
+        )
+    Image.fromarray(color).save(folder / "04_stand_in.png")
+    Image.fromarray(segments).save(folder / "04_segments.png")
     try:
         renderer = pyrender.OffscreenRenderer(*size)
         color, depth = renderer.render(scene)

@@ -1,11 +1,12 @@
 from . import gl
-from .api import apply, normals_from_depth, occlusion, render
+from .api import apply, normals_from_depth, occlusion, render, sheet
 from .bake import Baked, Baking, OcclusionTexture, Vertices, bake
 from .batch import batch
 from .errors import ContextError, FormatError, GraphError, InputWarning, SceneError, SettingsError, ShaderError, SsaoError
 from .io.srgb import multiply
 from .loaders.as_scene import as_scene
 from .loaders.load import load_scene
+from .loaders.pyvista_scenes import from_pyvista
 from .loaders.read_options import MoleculeOptions, VolumeOptions
 from .methods.alchemy import Alchemy
 from .methods.bitmask import Bitmask
@@ -17,6 +18,7 @@ from .pipeline.settings import Settings, Shading
 from .planner import Choice, Target, plan
 from .render.effect import Effect
 from .render.picture import Picture
+from .render.pyrender_frames import OffscreenRenderer
 from .render.renderer import Renderer
 from .sampling.disk import Kernel, Rotation
 from .scene.camera import Camera
@@ -50,6 +52,7 @@ __all__ = [
     "Mesh",
     "MoleculeOptions",
     "OcclusionTexture",
+    "OffscreenRenderer",
     "Picture",
     "Renderer",
     "Rotation",
@@ -73,6 +76,7 @@ __all__ = [
     "bake",
     "batch",
     "compare",
+    "from_pyvista",
     "gl",
     "load_scene",
     "look_at",
@@ -84,4 +88,5 @@ __all__ = [
     "register",
     "registry",
     "render",
+    "sheet",
 ]

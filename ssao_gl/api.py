@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import FormatError, one_line
+from .errors import FormatError, SettingsError, one_line
 from .gl.context import Context
 from .io.depth_files import DepthForm, as_depth_image
 from .loaders.as_scene import as_camera, as_scene
 from .methods.base import Method
 from .passes.denoise import Filter, Joint
-from .pipeline.settings import Settings, Shading, as_filter, as_method
+from .pipeline.settings import CALM, Settings, Shading, as_filter, as_method
 from .planner import Target, render_planned
 from .render.picture import Picture
 from .render.renderer import Renderer
 from .scene.depth_image import DepthImage
 from .scene.projection import Size, pixel_size
 from .scene.screen_bounds import unseen
+from .tiling.contact_sheet import ContactSheet
+from .tiling.thumbnails import on_ground, thumbnails
 
 
 def settings_of(
@@ -87,6 +89,33 @@ def render(
         if why := unseen(drawn, seen, pixel_size(size)):
             logging.getLogger("ssao_gl").warning("%s", why)
         return render_planned(renderer, drawn, seen, size, target, settings_of(method, blur, shading, rays), aovs=aovs)
+
+
+def sheet(
+    sources: Iterable[Any],
+    *,
+    tile: Size = (256, 256),
+    columns: int | None = None,
+    background: str = CALM,
+    names: bool = True,
+    method: Method | str | None = None,
+    provider: str | Context = "auto",
+) -> Picture:
+    """Draw many scenes into one picture, each seen whole, with names below.
+
+    sources: paths, or what :func:`ssao_gl.as_scene` takes. tile: (width, height) of each, pixels. columns: None for about as
+    many as rows. background: ``#rrggbb``, ``white``, ``black`` or ``transparent`` (RGBA). What cannot be drawn gets a tile
+    that says why, and an entry in ``report["broken"]``: name and reason. Raises SettingsError.
+    """
+    things, size = list(sources), pixel_size(tile)
+    if not things or not (columns is None or columns > 0):
+        raise SettingsError(f"sheet of {len(things)} scenes in {columns} columns; expected some of each")
+    laid = ContactSheet(count=len(things), tile=size, columns=columns, background=background, names=names)
+    settings = on_ground(settings_of(method), background)
+    with Renderer(provider) as renderer:
+        drawn = list(thumbnails(renderer, things, size, lambda scene: settings))
+    broken = [(made.name, made.fault) for made in drawn if made.fault]
+    return Picture({"image": np.concatenate(list(laid.bands(drawn)))}, {"broken": broken, "scenes": len(things)})
 
 
 def apply(

@@ -21,6 +21,8 @@ GL = ("gl", "render")
 DOORS = {
     "trimesh": "loaders",
     "pyrender": "loaders",
+    "pyvista": "loaders",
+    "open3d": "loaders",
     "embreex": "truth",
     "xatlas": "bake",
     "matplotlib": "report",
@@ -95,6 +97,7 @@ COMMANDS = {
     "main",
     "render",
     "report",
+    "sheet",
     "truth",
     "explain",
     "methods",

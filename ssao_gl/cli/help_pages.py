@@ -22,6 +22,11 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
         "Draw many views of many scenes, by several processes or a cluster.\n\n"
         "The same command goes on where it was cut, and redoes what changed. Exits with 1 when views failed.",
     ),
+    "sheet": (
+        "ssao_gl.cli.sheet:sheet",
+        "Draw many scenes into one picture with their names.\n\n"
+        "A file that cannot be drawn gets a tile that says why, and a line on standard error; the exit code is then 1.",
+    ),
     "apply": ("ssao_gl.cli.apply:apply", "Dim a picture by the occlusion of its depth."),
     "compare": ("ssao_gl.cli.compare:compare", "Compare two pictures or arrays; exit 1 when over a limit."),
     "methods": ("ssao_gl.cli.methods:methods", "List methods and filters; with a NAME its settings, ranges and defaults."),

@@ -1,7 +1,8 @@
-"""Reading depth images: NPY, NPZ, PNG, PGM, TIFF, PFM, and EXR by the names that renderers give to channels."""
+"""Reading depth images: NPY (also .npy.gz), NPZ, PNG, PGM, TIFF, PFM, and EXR by the names that renderers give to channels."""
 
 from __future__ import annotations
 
+import gzip
 import re
 import zipfile
 from collections.abc import Mapping, Sequence
@@ -58,13 +59,16 @@ def load_depth(path: Path | str, member: str | None = None) -> Array:
     """
     path = Path(path)
     suffix = path.suffix.lower()
-    if suffix not in (".exr", ".npz"):
-        if member is not None:
-            raise FormatError(f"{path}: has no channel '{member}' to choose; channels are named in EXR and NPZ files")
+    packed = path.name.lower().endswith(".npy.gz")
+    if suffix not in (".exr", ".npz") and member is not None:
+        raise FormatError(f"{path}: has no channel '{member}' to choose; channels are named in EXR and NPZ files")
+    if suffix not in (".exr", ".npz") and not packed:
         return _as_one(_true_levels(path, load_image(path, MAX_DEPTH_PIXELS)), path)
     if reason := why_unreadable(path):
         raise FormatError(f"{path}: {reason}; expected a depth image")
     try:
+        if packed:
+            return _from_gzip(path)
         return _from_exr(path, member) if suffix == ".exr" else _from_npz(path, member)
     except FormatError:
         raise
@@ -97,15 +101,27 @@ def _from_npz(path: Path, member: str | None) -> Array:
         told = [name for name in names if name.lower() in ("depth", "distance", "z")]
         chosen = _named(member, names, path) if member is not None else _only(told if len(told) == 1 else names, path)
         with archive.open(f"{chosen}.npy") as file:
-            version = np.lib.format.read_magic(file)
-            read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-            shape, _, dtype = read(file)
-        if dtype.kind not in "fiu" or not 0 < int(np.prod(shape, dtype=object)) <= MAX_DEPTH_PIXELS:
-            raise FormatError(f"{path}: '{chosen}' holds {dtype} of shape {shape}; expected numbers of shape (h, w)")
-        if archive.getinfo(f"{chosen}.npy").file_size < int(np.prod(shape, dtype=object)) * dtype.itemsize:
-            raise FormatError(f"{path}: '{chosen}' announces more than the file holds")
-        with archive.open(f"{chosen}.npy") as file:
-            return np.asarray(np.lib.format.read_array(file, allow_pickle=False))
+            return _read_npy(file, f"'{chosen}'", path)
+
+
+def _read_npy(file: Any, name: str, path: Path) -> Array:
+    """Read an array out of what unpacks it as it is read, which may claim any size. Raises FormatError."""
+    version = np.lib.format.read_magic(file)
+    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, fortran, dtype = read(file)
+    count = int(np.prod(shape, dtype=object))
+    if dtype.kind not in "fiu" or not 0 < count <= MAX_DEPTH_PIXELS:
+        raise FormatError(f"{path}: {name} holds {dtype} of shape {shape}; expected numbers of shape (h, w)")
+    data = file.read(count * dtype.itemsize)
+    if len(data) < count * dtype.itemsize:
+        raise FormatError(f"{path}: {name} announces more than the file holds")
+    return np.frombuffer(data, dtype).reshape(shape, order="F" if fortran else "C").copy()
+
+
+def _from_gzip(path: Path) -> Array:
+    """Read a packed NPY file, as nerfstudio's ``ns-render`` leaves depth."""
+    with gzip.open(path) as file:
+        return _read_npy(file, "it", path)
 
 
 def _from_exr(path: Path, member: str | None) -> Array:

@@ -18,8 +18,8 @@ from .pyrender_scenes import PyrenderLens
 def camera_of(source: Any, size: Size | None = None) -> Camera | None:
     """Return the camera of an object of another library; None for what is not known.
 
-    - A pyrender camera, or a node that holds one. PyVista's ``Camera`` (``vtkCamera`` behind it). Open3D's
-      ``PinholeCameraIntrinsic`` and ``PinholeCameraParameters``.
+    - A pyrender camera, or a node that holds one. PyVista's ``Camera`` (``vtkCamera`` behind it), or a plotter. Open3D's
+      ``PinholeCameraIntrinsic`` and ``PinholeCameraParameters``, and the camera of its renderers.
     - A calibration matrix (3, 3), for an image of ``size``.
     - A pair of any of these, and a camera-to-world pose (4, 4) in OpenGL axes, as pyrender's.
 
@@ -28,12 +28,16 @@ def camera_of(source: Any, size: Size | None = None) -> Camera | None:
     if isinstance(source, tuple | list) and len(source) == 2 and np.shape(source[1]) in ((4, 4), (3, 4)):
         lens = source[0] if isinstance(source[0], Camera) else camera_of(source[0], size)
         return None if lens is None else Camera(lens.lens, pose_of(source[1]), lens.name, lens.ao_radius)
+    if callable(getattr(source, "get_model_matrix", None)):
+        return Camera.from_matrix(source.get_projection_matrix(), source.get_model_matrix()).named("open3d")
     if callable(getattr(source, "get_projection_matrix", None)):
         return Camera(PyrenderLens(source), name=str(getattr(source, "name", None) or "pyrender"))
     if callable(getattr(getattr(source, "camera", None), "get_projection_matrix", None)) and hasattr(source, "matrix"):
         return Camera(PyrenderLens(source.camera), pose_of(source.matrix), str(source.camera.name or source.name or "pyrender"))
     if all(hasattr(source, name) for name in ("position", "focal_point", "up", "view_angle", "clipping_range")):
         return _of_vtk(source)
+    if hasattr(source, "renderer") and hasattr(source, "camera_position"):
+        return camera_of(source.camera)
     if hasattr(source, "intrinsic_matrix") and hasattr(source, "width"):
         return _of_open3d(source, None)
     if hasattr(source, "extrinsic") and hasattr(getattr(source, "intrinsic", None), "intrinsic_matrix"):

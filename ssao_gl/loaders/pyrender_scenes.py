@@ -6,6 +6,7 @@ Only what all distributions of pyrender share is used; ``Scene.bounds`` and ``Sc
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import SceneError
 from ..scene.camera import Camera
 from ..scene.lens import Pinhole
+from ..scene.material import Material
 from ..scene.model import DEFAULT_COLOR, Mesh, Scene
 from ..scene.projection import Matrix, Size
 from .finished import finished
@@ -47,19 +49,24 @@ def is_pyrender_scene(thing: object) -> bool:
     return any(kind.__name__ == "Scene" and kind.__module__.split(".")[0] == "pyrender" for kind in kinds)
 
 
-def from_pyrender(scene: pyrender.Scene, *, point_size: float | None = None) -> Scene:
+def from_pyrender(scene: pyrender.Scene, *, point_size: float | None = None, painted: Mapping[Any, Any] | None = None) -> Scene:
     """Return meshes, poses, instances, materials, background and the main camera of a ``pyrender.Scene``.
 
-    point_size: of points, scene units; None for one that closes their surface. Raises SceneError when nothing can be drawn.
+    point_size: of points, scene units; None for one that closes their surface. painted: node -> grey or (r, g, b), 0 to 255; its
+    nodes alone, in these colours. Raises SceneError when nothing can be drawn.
     """
     notes = Notes()
     looks = PyrenderLooks(notes)
     draws: list[Mesh] = []
     for node in scene.mesh_nodes:
-        if node.mesh.is_visible:
+        if node.mesh.is_visible and (painted is None or node in painted):
             pose = np.asarray(scene.get_pose(node), np.float64)
-            for primitive in node.mesh.primitives:
-                draws += _draw(primitive, pose, node.name or node.mesh.name or "", looks, point_size)
+            placed = [
+                mesh
+                for primitive in node.mesh.primitives
+                for mesh in _draw(primitive, pose, node.name or node.mesh.name or "", looks, point_size)
+            ]
+            draws += placed if painted is None else [_painted(mesh, painted[node]) for mesh in placed]
     if not draws:
         raise SceneError("the pyrender scene has no triangles to draw")
     cameras = [] if scene.main_camera_node is None else [camera_from_pyrender(scene)]
@@ -67,6 +74,16 @@ def from_pyrender(scene: pyrender.Scene, *, point_size: float | None = None) -> 
     made = finished(Scene(draws, cameras, (0.0, 1.0, 0.0), name), notes)
     notes.say(name)
     return dataclasses.replace(made, background=_background(scene))
+
+
+def _painted(mesh: Mesh, color: Any) -> Mesh:
+    """Return the mesh in one colour: grey or (r, g, b), 0 to 255."""
+    given = np.clip(np.asarray(color, np.float64).ravel(), 0, 255)
+    if given.shape not in ((1,), (3,)):
+        raise SceneError(f"the colour {color!r} of node '{mesh.name}': expected one number or three, 0 to 255")
+    colors = np.full((len(mesh.positions), 4), 255, np.uint8)
+    colors[:, :3] = np.round(given)
+    return dataclasses.replace(mesh, vertex_colors=colors, material=Material(), uv=None)
 
 
 def _background(scene: Any) -> tuple[float, float, float, float] | None:

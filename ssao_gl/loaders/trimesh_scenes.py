@@ -54,6 +54,29 @@ def from_trimesh(
     return scene
 
 
+def is_trimesh(thing: object) -> bool:
+    """Whether ``thing`` is trimesh's; does not import it."""
+    return any(kind.__module__.split(".")[0] == "trimesh" for kind in type(thing).__mro__)
+
+
+def viewer_camera(scene: trimesh.Scene) -> Camera:
+    """Return the camera that ``scene.show()`` starts with, or had when it was closed: the scene's own, else the one trimesh makes.
+
+    That one has no far plane here; trimesh's, at 1000 units, cuts large scenes. Raises SceneError.
+    """
+    if not hasattr(type(scene), "camera_transform"):  # of the type: to ask a scene for its camera gives it one
+        raise SceneError(f"camera: a trimesh.{type(scene).__name__} has none; put it into a trimesh.Scene")
+    notes = Notes()
+    if scene.has_camera:
+        found = _cameras(scene, notes)
+        if not found:
+            raise SceneError("camera: " + "; ".join(notes.lines))
+        return found[0]
+    copied = scene.copy()
+    lens = Perspective(math.radians(float(copied.camera.fov[1])), 1e-4 * float(copied.scale or 1), None)
+    return Camera(lens, np.asarray(copied.camera_transform, np.float64), "trimesh")
+
+
 def meshes_of(
     source: trimesh.Scene, options: ReadOptions, notes: Notes, *, soup: bool, looks: TrimeshLooks | None = None
 ) -> list[Mesh]:

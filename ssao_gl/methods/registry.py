@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 from .. import methods
 from ..errors import SettingsError, near_miss, one_line
 from ..glsl import preprocess
+from ..settings import assign
 from .base import Method
 from .traits import Traits
 
@@ -64,12 +65,22 @@ def general() -> list[str]:
     return [name for name, kind in registry().items() if kind().traits.any_scene]
 
 
-def method(name: str) -> Any:
-    """Return the method called ``name`` with its default settings. Raises SettingsError for an unknown name."""
+def method(name: str, preset: str = "", **changes: Any) -> Any:
+    """Return the method called ``name`` under one of its presets, with some settings changed.
+
+        ssao_gl.method("bitmask", "draft", radius=0.3)
+
+    Without a preset it is as shipped. Raises SettingsError for unknown names and for values that do not fit.
+    """
     known = registry()
     if name not in known:
         raise SettingsError(f"unknown method '{name}'; there are {', '.join(known)}.{near_miss(name, known)}")
-    return known[name]()
+    presets = presets_of(name)
+    if preset and preset not in presets:
+        raise SettingsError(
+            f"{name} has no preset '{preset}'; it has {', '.join(presets) or 'none'}.{near_miss(preset, presets)}"
+        )
+    return assign(known[name](), {**(presets[preset] if preset else {}), **changes})
 
 
 def presets_of(name: str) -> Mapping[str, Mapping[str, Any]]:

@@ -6,12 +6,11 @@ import dataclasses
 import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from ..errors import SettingsError, near_miss
 from ..io.atomic import why_unreadable
-from ..methods.base import Method
-from ..methods.registry import method, presets_of, registry
+from ..methods.registry import method, registry
 from ..passes.denoise import FILTERS, filter_named
 from ..settings import assign
 from .settings import CULLING_RULES, Settings, Shading
@@ -69,7 +68,7 @@ def settings_from(
     table = dict(table or {})
     chosen = _Chosen(
         {
-            "method": preset(method_name or _text(table, "method", DEFAULT_METHOD), preset_name or _text(table, "preset", "")),
+            "method": method(method_name or _text(table, "method", DEFAULT_METHOD), preset_name or _text(table, "preset", "")),
             "blur": filter_named(blur_name or _text(table, "blur", "joint")),
             "shading": Shading(),
             "normals": _text(table, "normals", "geometric"),
@@ -156,15 +155,6 @@ def _ways_to_count(record: Any) -> str:
     """Return what to type where a method counts its taps by settings of other names; nothing where it does not."""
     ways = [f"--set {f.name}={getattr(record, f.name)}" for f in dataclasses.fields(record) if f.name in COUNTS]
     return f"its taps are set by {' '.join(ways)} (what it has now), or by --preset" if ways else ""
-
-
-def preset(name: str, chosen: str = "") -> Method:
-    """Return the method called ``name`` under one of its presets, as shipped without. Raises SettingsError for unknown
-    names."""
-    shipped, known = method(name), presets_of(name)
-    if chosen and chosen not in known:
-        raise SettingsError(f"{name} has no preset '{chosen}'; it has {', '.join(known) or 'none'}.{near_miss(chosen, known)}")
-    return cast(Method, assign(shipped, known[chosen]) if chosen else shipped)
 
 
 def _rules(names: Iterable[str]) -> tuple[str, ...]:

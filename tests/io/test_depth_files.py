@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -154,3 +155,21 @@ def test_what_is_said_twice() -> None:
         as_depth_image(Z, depth_channel="Z")
     with pytest.raises(TypeError, match="unexpected keyword argument 'sort'"):
         as_depth_image(Z, depth_sort="eye")  # type: ignore[call-arg]
+
+
+def test_packed_arrays_as_nerfstudio_leaves_them(tmp_path: Path) -> None:
+    depth = np.linspace(1, 2, 12, dtype=np.float32).reshape(3, 4, 1)
+    path = tmp_path / "frame_00001.npy.gz"
+    with gzip.open(path, "wb") as file:
+        np.save(file, depth)
+    np.testing.assert_array_equal(load_depth(path), depth)
+    with gzip.open(path, "wb") as file:
+        np.save(file, np.asfortranarray(depth[..., 0]))
+    np.testing.assert_array_equal(load_depth(path), depth[..., 0])
+    with gzip.open(path, "wb") as file:
+        np.lib.format.write_array_header_1_0(file, {"descr": "<f4", "fortran_order": False, "shape": (1 << 13, 1 << 13)})
+    with pytest.raises(ao.FormatError, match="announces more"):
+        load_depth(path)
+    path.write_bytes(b"no gzip")
+    with pytest.raises(ao.FormatError, match="not a readable depth image"):
+        load_depth(path)

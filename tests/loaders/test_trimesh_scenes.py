@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from ssao_gl.errors import SceneError
+from ssao_gl.loaders.as_scene import as_camera
 from ssao_gl.loaders.load import load_scene as load_mesh_file
 from ssao_gl.loaders.trimesh_scenes import from_trimesh
 from ssao_gl.scene.lens import Orthographic, Perspective
@@ -556,3 +557,16 @@ def test_open_file_objects_are_closed(tmp_path: Path) -> None:
         load_mesh_file(path)
     if handles:
         assert len(list(Path("/proc/self/fd").iterdir())) <= handles
+
+
+def test_the_camera_that_the_viewer_starts_with() -> None:
+    scene = trimesh.Scene(trimesh.creation.box((2000, 1000, 500)))
+    automatic = as_camera(scene)
+    assert not scene.has_camera, "the scene stays as it was"
+    np.testing.assert_allclose(automatic.pose, scene.camera_transform)
+    view = automatic.view((400, 300))
+    assert view.far == np.inf and np.isclose(1 / view.projection[1, 1], np.tan(np.radians(scene.camera.fov[1]) / 2))
+    scene.set_camera(angles=(0.3, 0.2, 0.1), distance=4000, fov=(50, 40))
+    np.testing.assert_allclose(as_camera(scene).pose, scene.camera_transform)
+    with pytest.raises(SceneError, match="put it into"):
+        as_camera(trimesh.creation.box())

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 import ssao_gl as ao
-from ssao_gl.pipeline.presets import preset
 from ssao_gl.planner.candidates import CANDIDATES, FAMILIES, PROBES, chosen_from, differing
 from ssao_gl.planner.plan import COARSE, DEEP, FINE
 
@@ -14,7 +13,7 @@ def test_every_preset_is_a_candidate() -> None:
     for method in PROBES:
         for name in ao.registry()[method].presets:  # type: ignore[attr-defined]
             made = CANDIDATES[f"{method} {name}"][1].made()
-            assert made == preset(method, name)
+            assert made == ao.method(method, name)
     assert ao.Settings().method in [candidate.made() for _, candidate in CANDIDATES.values()], "and so is the default"
 
 

@@ -142,7 +142,7 @@ ANY: Any = ao
 
 CALLS: dict[str, tuple[Callable[[], object], type[Exception], str]] = {
     "missing file": (lambda: ao.render("none.glb"), ao.SceneError, "no such file; expected a scene file"),
-    "nothing": (lambda: ao.render(None), ao.SceneError, "expected a path, Scene, Volume, trimesh.Trimesh, trimesh.Scene, pyrender.Scene or points"),
+    "nothing": (lambda: ao.render(None), ao.SceneError, "expected a path, Scene, Volume, trimesh.Trimesh, trimesh.Scene, pyrender.Scene, pyvista.Plotter"),
     "size as one number": (lambda: ANY.render(BOX, size=640), ao.SettingsError, "must be (width, height) in whole pixels"),
     "size as text": (lambda: ANY.render(BOX, size="640x480"), ao.SettingsError, "like (1280, 720)"),
     "size for camera": (lambda: ao.render(BOX, (640, 480)), ao.SettingsError, "the size is the argument after it: size=(width, height)"),

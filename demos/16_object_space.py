@@ -126,7 +126,7 @@ def main(folder: Path, size: tuple[int, int], scenes: Sequence[str]) -> None:
             eye = load_camera(f"{Path(file).with_suffix('.cam.json')}:{camera}", size)
             rows.append(measured(renderer, ao.load_scene(file), eye, size))
         if rows:
-            sheet(rows, size).save(folder / "11_object_space.png", optimize=True)
+            sheet(rows, size).save(folder / "16_object_space.png", optimize=True)
             return
         scene = default_scene()
         for panel in measured(renderer, scene, scene.cameras[0], size):

@@ -1,0 +1,99 @@
+"""Small pictures of many scenes, one after the other; what cannot be drawn is a tile, too, that says why."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SceneError, SsaoError, encodable, one_line
+from ..loaders.as_scene import as_scene
+from ..loaders.mesh_files import formats, kind_of
+from ..loaders.molecules import KINDS
+from ..loaders.volume_files import is_volume
+from ..pipeline.settings import Settings
+from ..render.renderer import Renderer
+from ..scene.model import Scene
+from ..scene.projection import Size
+from ..scene.srgb import decode, encode
+
+FINER = 2
+"""Pixels along each side that are drawn for one of a thumbnail, against stairs at edges."""
+
+
+@dataclass(frozen=True, eq=False)
+class Thumbnail:
+    """A scene seen whole. image: (h, w, 3 or 4) uint8 sRGB; None where ``fault`` says why there is none, or where it is no longer needed."""
+
+    name: str
+    image: NDArray[np.uint8] | None
+    fault: str = ""
+    contents: str = ""
+    warnings: tuple[str, ...] = ()
+
+
+def thumbnails(
+    renderer: Renderer, sources: Iterable[Any], size: Size, settings: Callable[[Scene], Settings], *, up: str = "auto"
+) -> Iterator[Thumbnail]:
+    """Yield a picture of ``size`` (width, height) of each source: a path, or what :func:`ssao_gl.as_scene` takes.
+
+    settings: of a scene, once it is known. up: as of :func:`ssao_gl.as_scene`. A source that cannot be read or drawn does
+    not end the others.
+    """
+    for number, source in enumerate(sources):
+        name = encodable(Path(source).name) if isinstance(source, str | Path) else f"{type(source).__name__} {number}"
+        try:
+            scene = as_scene(source, up)
+            picture = renderer.render(scene, None, (FINER * size[0], FINER * size[1]), settings(scene), aovs=("image",))
+        except SsaoError as error:
+            yield Thumbnail(name, None, one_line(error, 300).removeprefix(f"{source}: "))
+        except MemoryError:
+            yield Thumbnail(name, None, "needs more memory than there is")
+        else:
+            yield Thumbnail(scene.name or name, smoothed(picture.image), "", scene.contents, scene.warnings)
+
+
+def on_ground(settings: Settings, background: str) -> Settings:
+    """Return settings whose pictures have that background. Raises SettingsError."""
+    return dataclasses.replace(settings, shading=dataclasses.replace(settings.shading, background=background))
+
+
+def smoothed(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return sRGB (h, w, 3 or 4) uint8 at 1 / :data:`FINER` of its size: the mean light of each block, by alpha."""
+    h, w, channels = image.shape
+    blocks = image.reshape(h // FINER, FINER, w // FINER, FINER, channels)
+    light = decode(np.arange(256) / 255)[blocks[..., :3]]
+    if channels == 3:
+        return np.round(255 * encode(light.mean((1, 3)))).astype(np.uint8)
+    alpha = blocks[..., 3:] / 255
+    cover = alpha.mean((1, 3))
+    rgb = encode((light * alpha).mean((1, 3)) / np.maximum(cover, 1 / 1024))
+    return np.round(255 * np.concatenate([rgb, cover], -1)).astype(np.uint8)
+
+
+def scene_files(paths: Iterable[Path]) -> list[Path]:
+    """Return the files that are named, and, of folders, the scene files in them by name. Raises SceneError for none."""
+    found: list[Path] = []
+    for path in paths:
+        if not path.is_dir():
+            found.append(path)
+            continue
+        inside = [file for file in sorted(path.iterdir()) if file.is_file() and _is_scene(file.name)]
+        if not inside:
+            raise SceneError(f"{path}: no scene file lies in this folder; expected files that end in .glb, .obj, .stl ...")
+        found += inside
+    if not found:
+        raise SceneError("no scene file is given; expected files or a folder of them")
+    return found
+
+
+def _is_scene(name: str) -> bool:
+    if name.startswith("."):
+        return False
+    kind = name.lower().removesuffix(".gz").rpartition(".")[2]
+    return is_volume(name) or kind in KINDS or kind_of(name) in formats()
