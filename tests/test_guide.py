@@ -21,9 +21,7 @@ from .packages import needed
 GUIDE = Path(__file__).parents[1] / "demos" / "guide"
 OF_THEIR_OWN = {"README", "add_a_method"}
 """Pages without code, or with a test of their own: tests/methods/test_plugins.py."""
-ALL = sorted(path for path in GUIDE.glob("*.md") if path.stem not in OF_THEIR_OWN)
-PAGES = [path for path in ALL if "batch" in COMMANDS or "ssao-gl batch" not in path.read_text("utf-8")]
-"""Pages whose commands there are: batches came after the guide."""
+PAGES = sorted(path for path in GUIDE.glob("*.md") if path.stem not in OF_THEIR_OWN)
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.M | re.S)
 PACKAGES = {
     "tools": ("pyvista", "pyrender"),
@@ -99,7 +97,7 @@ def test_page(page: Path, readers_folder: Path, capsys: pytest.CaptureFixture[st
 def test_pages_are_listed_and_say_what_occlusion_is() -> None:
     listed = set(re.findall(r"\]\((\w+)\.md\)", (GUIDE / "README.md").read_text("utf-8")))
     assert listed == {path.stem for path in GUIDE.glob("*.md")} - {"README"}
-    for page in ALL:
+    for page in PAGES:
         text = page.read_text("utf-8")
         about = text[: text.index("```")]
         assert re.search(r"ambient occlusion", about, re.I) and len(text) < 4000, page.name
