@@ -39,10 +39,10 @@ def __getattr__(name: str) -> Any:
 
 
 class _Package(ModuleType):
-    """This package, whose ``render``, ``bake`` and ``batch`` stay the functions when the rooms of these names are imported."""
+    """This package, whose ``render``, ``bake``, ``batch`` and ``export`` stay the functions when the rooms of these names are imported."""
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name not in ("render", "bake", "batch") or not isinstance(value, ModuleType):
+        if name not in ("render", "bake", "batch", "export") or not isinstance(value, ModuleType):
             super().__setattr__(name, value)
 
 

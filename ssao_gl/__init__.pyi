@@ -1,5 +1,5 @@
 from . import gl
-from .api import apply, normals_from_depth, occlusion, render, sheet
+from .api import apply, export, normals_from_depth, occlusion, render, sheet
 from .bake import Baked, Baking, OcclusionTexture, Vertices, bake
 from .batch import batch
 from .errors import ContextError, FormatError, GraphError, InputWarning, SceneError, SettingsError, ShaderError, SsaoError
@@ -77,6 +77,7 @@ __all__ = [
     "batch",
     "compare",
     "from_pyvista",
+    "export",
     "gl",
     "load_scene",
     "look_at",

@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import FormatError, SettingsError, one_line
+from .export.pipeline import PipelineInputs
+from .export.write import write_export
 from .gl.context import Context
 from .io.depth_files import DepthForm, as_depth_image
 from .loaders.as_scene import as_camera, as_scene
@@ -152,6 +154,29 @@ def apply(
             normals=None if normals is None else _array("normals", normals),
             settings=settings,
         )
+
+
+def export(
+    output: str | Path,
+    *,
+    target: str = "webgl2",
+    method: Method | str | None = None,
+    blur: Filter | str | None = "joint",
+    strength: float = 1.0,
+    precision: str = "high",
+    depth_kind: str = "window",
+    normals: bool = False,
+    color: bool = False,
+) -> list[Path]:
+    """Write the pipeline of :func:`apply` into the folder ``output``, for runtimes other than this one; return the files.
+
+    target: ``"webgl2"`` (an ES module and its runtime), ``"gles3"`` (shaders, a C header and a program), ``"json"`` (and its
+    schema). method: with a radius, in the units of your depth, which can change later. depth_kind: ``"window"`` (a depth buffer of
+    any projection) or ``"eye"``. normals, color: whether they are given; without colour the result is visibility. One export
+    serves every canvas size and projection. Raises SettingsError, FormatError.
+    """
+    settings = Settings(method=as_method(method), blur=as_filter(blur), shading=Shading(ambient=strength), precision=precision)
+    return write_export(Path(output), settings, PipelineInputs(depth_kind, normals, color), target)
 
 
 def occlusion(

@@ -94,6 +94,7 @@ COMMANDS = {
     "batch",
     "bench",
     "compare",
+    "export",
     "main",
     "render",
     "report",

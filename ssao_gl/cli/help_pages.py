@@ -55,6 +55,10 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
         "Checks what every picture promises. Exits with 1 when a case fails; its input is then written to a folder, as small"
         " as it gets, with the command that replays it.",
     ),
+    "export": (
+        "ssao_gl.cli.export:export",
+        "Write the pipeline of apply for WebGL2, for native GLES 3, or as JSON.\n\nOne export serves every canvas size and projection.",
+    ),
     "shader": ("ssao_gl.cli.shader:shader", "Print a shader, complete for one GLSL dialect."),
     "doctor": ("ssao_gl.cli.doctor:doctor", "Say which OpenGL there is, and the cure where there is none."),
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ..graph.declare import DepthTest, Pass, Texture
 from ..graph.draws import Fullscreen
@@ -19,3 +20,15 @@ def composite(
     samplers = {"u_color": COLOR, "u_visibility": VISIBILITY}
     draw = Fullscreen("composite.frag", samplers, {"u_ambient": ambient}, defines={"DIRECT": 1} if direct else {})
     return Pass("composite", "composite", draw, {result: Texture("rgba8")}, test=test, clear=tuple(background))
+
+
+def toned(passes: Sequence[Pass], power: float, tint: tuple[float, float, float]) -> list[Pass]:
+    """Return the passes with an image whose visibility is raised to ``power``, and whose hidden light is ``tint`` (linear)."""
+
+    def tone(task: Pass) -> Pass:
+        if task.name != "composite" or not isinstance(task.draw, Fullscreen):
+            return task
+        uniforms, defines = {**task.draw.uniforms, "u_power": power, "u_tint": tint}, {**task.draw.defines, "TONED": 1}
+        return replace(task, draw=replace(task.draw, uniforms=uniforms, defines=defines))
+
+    return [tone(task) for task in passes]

@@ -40,7 +40,8 @@ def _ranges(size: Size, scale: int) -> list[Pass]:
 def _sums(size: Size, scale: int) -> list[Pass]:
     """Sum along rows, then along columns, in strides of 1, 4, 16, ..."""
     sides = Texture("", 1 / scale).size(size)
-    steps = [(axis, stride) for axis in (0, 1) for stride in _strides(sides[axis])] or [(0, 1)]
+    # The first step makes the entries, also of a table that is a texel wide.
+    steps = [(0, 1), *((axis, stride) for axis in (0, 1) for stride in _strides(sides[axis]) if (axis, stride) != (0, 1))]
     passes, source = [], ""
     for number, (axis, stride) in enumerate(steps, 1):
         result = DEPTH_TABLE if number == len(steps) else f"{DEPTH_TABLE}_{'xy'[axis]}{stride}"

@@ -30,7 +30,7 @@ from ..graph.names import (
 from ..graph.plan import Plan
 from ..methods.base import Method
 from ..methods.traits import CAMERAS
-from ..passes.composite import composite
+from ..passes.composite import composite, toned
 from ..passes.culling import shade_mask
 from ..passes.denoise import Filter, FilterJob, FilterTraits
 from ..passes.depth_table import TABLE_SCALE, depth_table
@@ -74,6 +74,7 @@ def plan_render(
         *corrected(settings, _visibility(settings, culling, bent=bent), culling.mask),
         *_image(settings, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
     ]
+    passes = _toned(settings, passes)
     return compile(_at(settings.precision, passes, fine), size, aov_resources(aovs), notes=_notes(settings, culling))
 
 
@@ -91,10 +92,11 @@ def plan_apply(
     normals: bool = False,
     outputs: Sequence[str] = (VISIBILITY,),
     fine: bool = False,
+    live: bool = False,
 ) -> Plan:
     """Return the plan over a caller's depth (and normals, and colour). ``outputs``: resources. ``fine``: see :func:`plan_render`.
 
-    A method that looks at two layers looks at one. Raises SettingsError for methods that need a scene, and for an unknown
+    ``live``: with tint and power in the image's shader in any case, so that they can change later. A method that looks at two layers looks at one. Raises SettingsError for methods that need a scene, and for an unknown
     kind of depth.
     """
     check_no_rays(settings, "apply")
@@ -121,6 +123,7 @@ def plan_apply(
         *_visibility(settings, culling, bent=bent),
         *_image(settings, (0.0, 0.0, 0.0, 1.0), direct=False),
     ]
+    passes = _toned(settings, passes, live=live)
     inputs = [GIVEN_DEPTH, *([GIVEN_NORMAL] if normals else []), *([COLOR] if IMAGE in outputs else [])]
     return compile(_at(settings.precision, passes, fine), size, list(outputs), inputs, notes)
 
@@ -165,6 +168,12 @@ def _image(settings: Settings, background: Sequence[float], *, direct: bool, tes
     scale, radius = _table_scale(settings), settings.method.radius
     plain = composite(shading.ambient, background, direct=direct, test=test, result=IMAGE_WITHOUT_HALO)
     return [plain, *paint_halo(shading.halo_rgba, shading.halo, shading.halo_width, radius, scale)]
+
+
+def _toned(settings: Settings, passes: list[Pass], *, live: bool = False) -> list[Pass]:
+    """Return the passes with tint and power in the image, where there are any, or they are to be ``live``."""
+    shading = settings.shading
+    return toned(passes, shading.power, shading.tint_linear) if live or shading.toned else passes
 
 
 def _at_full_size(settings: Settings, culling: CullingPlan, *, bent: bool) -> list[Pass]:

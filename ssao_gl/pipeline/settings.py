@@ -15,6 +15,7 @@ from ..methods.base import Method
 from ..methods.bitmask import Bitmask
 from ..methods.registry import method
 from ..passes.denoise import Filter, Joint, filter_named
+from ..scene.srgb import decode
 from ..settings import as_table, setting, validate
 
 GUARD_STEP = 16
@@ -48,8 +49,12 @@ class Shading:
     halo_color: str = setting("black", "sRGB of the halo: #rrggbb, white, black")
     halo_width: float = setting(0.02, "of the halo", unit="share of the image's height", above=0, high=1)
 
+    tint: str = setting("black", "sRGB of the ambient light that is left where all is hidden: #rrggbb, white, black")
+    power: float = setting(1.0, "contrast of the occlusion in the image: visibility to this power", above=0, high=16)
+
     def __post_init__(self) -> None:
         validate(self)
+        _check_color("shading.tint", self.tint, {name: BACKGROUNDS[name] for name in ("white", "black")})
         if self.background is not None:
             _check_color("shading.background", self.background, BACKGROUNDS)
         _check_color("shading.halo_color", self.halo_color, {name: BACKGROUNDS[name] for name in ("white", "black")})
@@ -63,6 +68,17 @@ class Shading:
     def halo_rgba(self) -> tuple[float, float, float, float]:
         """Return sRGB and alpha in 0..1."""
         return _rgba(self.halo_color)
+
+    @property
+    def tint_linear(self) -> tuple[float, float, float]:
+        """Return linear light in 0..1."""
+        r, g, b = (float(part) for part in decode(_rgba(self.tint)[:3]))
+        return r, g, b
+
+    @property
+    def toned(self) -> bool:
+        """Whether tint or power change the image."""
+        return self.power != 1 or any(self.tint_linear)
 
     def before(self, own: Sequence[float] | None) -> Shading:
         """Return this shading with its background settled: the chosen one, a scene's ``own`` (sRGB and alpha in 0..1), or the calm one."""

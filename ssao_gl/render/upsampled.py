@@ -17,7 +17,7 @@ from ..scene.joint_upsampling import JointUpsampling, check_upsampled
 def needs_upsampling(color: NDArray[Any] | None, depth: NDArray[Any], settings: Settings | None) -> bool:
     """Return whether colour is larger than depth.
 
-    Raises FormatError for sizes that do not go together, SettingsError where halos are asked for.
+    Raises FormatError for sizes that do not go together, SettingsError where halos, tint or power are asked for.
     """
     if color is None or np.ndim(color) != 3 or np.ndim(depth) != 2 or color.dtype != np.uint8 or color.shape[2] not in (3, 4):
         return False  # which the check of the arrays refuses
@@ -26,6 +26,8 @@ def needs_upsampling(color: NDArray[Any] | None, depth: NDArray[Any], settings: 
     check_upsampled(depth.shape[::-1], color.shape[1::-1])
     if settings is not None and settings.shading.halo:
         raise SettingsError("shading.halo: colour is larger than depth; halos need both of one size")
+    if settings is not None and settings.shading.toned:
+        raise SettingsError("shading.tint, shading.power: colour is larger than depth; these need both of one size")
     return True
 
 

@@ -1,0 +1,1 @@
+"""The compiled pipeline outside Python: as JSON, for WebGL2, for native GLES 3."""
