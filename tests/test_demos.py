@@ -21,7 +21,7 @@ MISSING = re.compile(r"skipped: (pyvista|open3d) cannot be imported here")
 """What demos say where a package is missing that no installation of ssao_gl brings."""
 PICTURES = {
     "01_hello": 3, "02_numpy": 2, "03_trimesh": 2, "04_pyrender": 5, "08_molecule": 2, "09_volume": 2,
-    "10_pyvista": 4, "16_object_space": 6, "11_open3d": 2, "13_cameras": 3,
+    "10_pyvista": 4, "15_elements": 3, "16_object_space": 6, "11_open3d": 2, "13_cameras": 3,
 }  # fmt: skip
 
 

@@ -17,10 +17,10 @@ from ..scene.model import Scene
 from ..settings import as_table
 from ..truth.batches import Places, TraceProgress, gather_sums
 from ..truth.store import Store, store
-from .elements import Elements, visibility_by_elements
+from .elements import Elements, light_by_elements
 from .settings import Baking
 
-VERSION = 1
+VERSION = 2
 """Part of every key of the cache: raised whenever the same input gives other numbers."""
 
 
@@ -40,9 +40,13 @@ class BakePlaces(Places, Protocol):
 
 @dataclass(frozen=True, eq=False)
 class TracedPlaces:
-    """Visibility (n,) of places, how many rays it took (0 by elements), and seconds; ``cached``: none of them was traced now."""
+    """Visibility (n,) of places, how many rays it took (0 by elements), and seconds; ``cached``: none of them was traced now.
+
+    indirect: (n, 3) linear light that arrives from other surfaces under a sky of 1, or (n, 0) where nobody asked.
+    """
 
     visibility: NDArray[np.float64]
+    indirect: NDArray[np.float64]
     rays: int
     seconds: float
     cached: bool
@@ -62,9 +66,13 @@ def trace_places(
     if not which.any():
         return front
     back = _one_side(scene, places.backs(which), settings, cache, progress, disks)
-    visibility = front.visibility.copy()
-    visibility[which] = np.maximum(visibility[which], back.visibility)
-    return TracedPlaces(visibility, front.rays + back.rays, front.seconds + back.seconds, front.cached and back.cached)
+    visibility, indirect = front.visibility.copy(), front.indirect.copy()
+    open_behind = back.visibility > visibility[which]
+    better = np.flatnonzero(which)[open_behind]
+    visibility[better], indirect[better] = back.visibility[open_behind], back.indirect[open_behind]
+    return TracedPlaces(
+        visibility, indirect, front.rays + back.rays, front.seconds + back.seconds, front.cached and back.cached
+    )
 
 
 def _one_side(
@@ -81,21 +89,21 @@ def _one_side(
         kept = store(cache, _key(scene, places, settings), "bake")
         done = kept.result()
         if done is not None:
-            return TracedPlaces(done["visibility"], rays, float(done["seconds"]), True)
+            return TracedPlaces(done["light"][:, 0], done["light"][:, 1:], rays, float(done["seconds"]), True)
     if disks is not None:
-        visibility, seconds = visibility_by_elements(places, disks)
+        light, seconds = light_by_elements(places, disks)
     else:
         sums = gather_sums(places, settings, kept=kept, progress=progress)
-        visibility, seconds = np.clip(sums.estimate()[0], 0, 1), sums.seconds
+        light, seconds = np.clip(sums.estimate()[0], 0, 1)[:, None], sums.seconds
     if kept is not None:
-        kept.finish({"visibility": visibility, "seconds": seconds})
-    return TracedPlaces(visibility, rays, seconds, False)
+        kept.finish({"light": light, "seconds": seconds})
+    return TracedPlaces(light[:, 0], light[:, 1:], rays, seconds, False)
 
 
 def _key(scene: Scene, places: BakePlaces, settings: Baking) -> str:
     """Return the hash of all that decides the numbers."""
     digest = hashlib.sha256(json.dumps([VERSION, as_table(settings)], sort_keys=True).encode())
     for mesh in scene.meshes:
-        add_mesh(digest, mesh, normals=True, colors=False)
+        add_mesh(digest, mesh, normals=True, colors=settings.indirect)
     add_arrays(digest, places.content())
     return digest.hexdigest()[:32]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -36,6 +36,8 @@ class BakedMesh:
 
     name: str
     visibility: F32
+    indirect: F32 | None = None
+    """(n, 3) linear light that arrives at vertices from other surfaces under a sky of 1; None where nobody asked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +67,17 @@ class Baked:
         if path.suffix and not path.is_dir():
             raise FormatError(f"cannot write {path}: unknown suffix '{path.suffix}'; use .glb, or a folder for NPY files")
         make_folder(path)
-        return [_save_array(path, k, mesh) for k, mesh in enumerate(self.meshes)]
+        return [written for k, mesh in enumerate(self.meshes) for written in _save_arrays(path, k, mesh)]
 
 
-def _save_array(folder: Path, number: int, mesh: BakedMesh) -> Path:
+def _save_arrays(folder: Path, number: int, mesh: BakedMesh) -> Iterator[Path]:
     name = re.sub(r"[^\w.-]+", "_", mesh.name)[:80]
-    path = folder / f"{number:03d}-{name}.npy"
-    with atomic_write(path) as temporary, temporary.open("wb") as file:
-        np.save(file, mesh.visibility)
-    return path
+    for ending, values in (("", mesh.visibility), ("-indirect", mesh.indirect)):
+        if values is not None:
+            path = folder / f"{number:03d}-{name}{ending}.npy"
+            with atomic_write(path) as temporary, temporary.open("wb") as file:
+                np.save(file, values)
+            yield path
 
 
 def bake(
@@ -97,6 +101,10 @@ def bake(
     FormatError.
     """
     goal = _goal(to)
+    if settings is not None and settings.indirect and goal != Vertices():
+        raise SettingsError(
+            "indirect: is light in colours, which COLOR_0 of vertices keeps; leave out --to texture and --attribute"
+        )
     source = open_source(scene, ReadOptions(animation=animation, time=time), per_instance=per_instance)
     share = RADIUS_SHARE if radius_share is None else radius_share
     settings = (settings or Baking()).with_radius(source.scene.default_radius(share))
@@ -143,9 +151,12 @@ class _Job:
         meshes = []
         for primitive, own in zip(source.primitives, owners, strict=True):
             visibility = np.append(traced.visibility, 1.0)[own].astype(np.float32)  # -1: the last
-            meshes.append(BakedMesh(primitive.name, visibility))
+            indirect = (
+                np.append(traced.indirect, 0 * traced.indirect[:1], 0)[own].astype(np.float32) if settings.indirect else None
+            )
+            meshes.append(BakedMesh(primitive.name, visibility, indirect))
             if primitive.parts:
-                write_attribute(source.writer, source.document, primitive, visibility, goal.attribute)
+                write_attribute(source.writer, source.document, primitive, visibility, goal.attribute, indirect)
         return meshes, [traced]
 
     def textures(self, goal: OcclusionTexture) -> tuple[list[BakedMesh], list[TracedPlaces]]:

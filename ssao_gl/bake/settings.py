@@ -39,7 +39,8 @@ class Baking:
     seed: int = setting(0, "of points and directions", low=0, high=2**31 - 1)
 
     by: str = setting("rays", "what measures: rays, or disks that stand for the scene's triangles", choices=BY)
-    passes: int = setting(2, "of elements, against shadows counted twice; the last two are averaged", low=1, high=16)
+    passes: int = setting(4, "of elements, against shadows counted twice; the last two are averaged", low=1, high=16)
+    indirect: bool = setting(False, "add the light that elements send each other, in their colours, to the colours of vertices")
     kernel: str = setting(
         "disk", "what a disk takes; gems: the formula of GPU Gems 2, darker far off its axis", choices=KERNELS
     )
@@ -48,6 +49,8 @@ class Baking:
         validate(self)
         if self.by == "elements" and self.falloff != Falloff.HARD:
             raise SettingsError(f"falloff '{self.falloff}': elements know a hard radius only; take hard, or bake by rays")
+        if self.indirect and self.by != "elements":
+            raise SettingsError("indirect: is the light that elements send; add --by elements (by='elements')")
 
     def with_radius(self, radius: float) -> Baking:
         """Return these settings with an automatic radius settled to ``radius`` scene units."""

@@ -18,11 +18,16 @@ COLOR = "COLOR_0"
 
 
 def write_attribute(
-    writer: GltfWriter, document: Document, primitive: Primitive, visibility: F32, attribute: str = COLOR
+    writer: GltfWriter,
+    document: Document,
+    primitive: Primitive,
+    visibility: F32,
+    attribute: str = COLOR,
+    indirect: F32 | None = None,
 ) -> None:
     """Set an attribute of a primitive to ``visibility`` (n,).
 
-    COLOR_0 takes the vertex colours that are there times visibility, as linear light, alpha as it is: a viewer that knows
+    COLOR_0 takes the vertex colours that are there times visibility and ``indirect`` light (n, 3), at most 1, as linear light, alpha as it is: a viewer that knows
     nothing of occlusion shows it. Any other attribute is one 32-bit float a vertex.
     """
     entry = primitive.entry(writer.tree)
@@ -30,7 +35,7 @@ def write_attribute(
         entry["attributes"][attribute] = writer.accessor(visibility[:, None].astype("<f4"))
     else:
         colors = _colors(document, entry, len(visibility))
-        colors[:, :3] *= visibility[:, None]
+        colors[:, :3] *= visibility[:, None] if indirect is None else np.minimum(visibility[:, None] + indirect, 1)
         entry["attributes"][COLOR] = _stored(writer, document, entry, colors)
     packed = entry.get("extensions", {}).get(DRACO)
     if packed is not None:

@@ -50,7 +50,13 @@ class BakedRayOptions:
     seed: Annotated[int, WHOLE, Parameter(group=RARE, help="Of points and directions.")] = 0
     passes: Annotated[
         int, WHOLE, Parameter(group=RARE, help="Of elements, against shadows counted twice; the last two are averaged.")
-    ] = 2
+    ] = 4
+    indirect: Annotated[
+        bool,
+        Parameter(
+            group=RARE, negative="", help="Of elements: add the light that they send each other, in their colours, to COLOR_0."
+        ),
+    ] = False
     kernel: Annotated[
         str, Parameter(group=RARE, help=f"What a disk takes: {' or '.join(KERNELS)}, the formula of GPU Gems 2.")
     ] = KERNELS[0]

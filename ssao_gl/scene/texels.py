@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from . import srgb
 from .material import ColorTexture, Wrap
 from .model import Mesh
 
@@ -21,6 +22,19 @@ def alpha_at(mesh: Mesh, triangles: NDArray[np.integer], u: F64, v: F64) -> F64:
     if mesh.texture is not None and mesh.uv is not None:
         alpha *= texels_at(mesh.texture, (weights[..., None] * mesh.uv[corners]).sum(1))[:, 3]
     return alpha
+
+
+def colors_at(mesh: Mesh, triangles: NDArray[np.integer], u: F64, v: F64) -> F64:
+    """Return base colour (n, 3) as linear light at barycentric coordinates u and v (n,), as :func:`alpha_at` does alpha."""
+    corners = mesh.triangles[triangles]
+    weights = np.stack([1 - u - v, u, v], -1)[..., None]
+    linear = np.broadcast_to(srgb.decode(mesh.color), (len(corners), 3)).copy()
+    if mesh.vertex_colors is not None:
+        linear *= (weights * srgb.decode(mesh.vertex_colors[corners, :3] / 255)).sum(1)
+    if mesh.texture is not None and mesh.uv is not None:
+        texels = texels_at(mesh.texture, (weights * mesh.uv[corners]).sum(1))[:, :3]
+        linear *= texels if mesh.texture.linear else srgb.decode(texels)
+    return linear
 
 
 def texels_at(texture: ColorTexture, uv: F64) -> F64:

@@ -101,7 +101,7 @@ def test_by_elements(corner: Path, tmp_path: Path, capsys: pytest.CaptureFixture
     code, said, _ = run(
         "bake", corner, "-o", tmp_path / "e.glb", "--by", "elements", "--radius", "50%", "--no-cache", capsys=capsys
     )
-    assert code == 0 and "by elements, 2 passes" in said and "rays" not in said
+    assert code == 0 and "by elements, 4 passes" in said and "rays" not in said
 
 
 def test_elements_refuse_what_they_do_not_know(corner: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
