@@ -15,6 +15,9 @@ uniform sampler2D u_normal;
 #ifdef BENT
 uniform sampler2D u_lost;
 #endif
+#ifdef BOUNCE
+uniform sampler2D u_gained;
+#endif
 uniform vec2 u_target_texel;  // 1 / size of the target
 uniform vec2 u_target_uv;     // uv of the image for each fragment of the target
 uniform vec2 u_next;          // one texel along the axis: of the target,
@@ -44,6 +47,10 @@ void ssao_tap(inout SsaoTaps taps, vec2 uv, float i, vec3 line, float plane) {
     vec3 lost = SAMPLE(u_lost, place).xyz;
     taps.sum.lost += lost * weight;
 #endif
+#ifdef BOUNCE
+    vec4 gained = SAMPLE(u_gained, place);
+    taps.sum.gained += gained * weight;
+#endif
 #ifdef NARROW
     taps.least = min(taps.least, fits);
     if (abs(i) > float(NARROW)) return;
@@ -51,6 +58,9 @@ void ssao_tap(inout SsaoTaps taps, vec2 uv, float i, vec3 line, float plane) {
     taps.narrow.open += vec2(tap.x, 1.0) * weight;
 #ifdef BENT
     taps.narrow.lost += lost * weight;
+#endif
+#ifdef BOUNCE
+    taps.narrow.gained += gained * weight;
 #endif
 #endif
 }
@@ -71,6 +81,9 @@ void main() {
 #ifdef BENT
     taps.sum.lost = SAMPLE(u_lost, uv).xyz * u_weights[0];
 #endif
+#ifdef BOUNCE
+    taps.sum.gained = SAMPLE(u_gained, uv) * u_weights[0];
+#endif
 #ifdef NARROW
     taps.narrow = taps.sum;
     taps.least = 1.0;
@@ -83,6 +96,9 @@ void main() {
 #ifdef BENT
     sum.lost = mix(taps.narrow.lost, sum.lost, flat_enough);
 #endif
+#ifdef BOUNCE
+    sum.gained = mix(taps.narrow.gained, sum.gained, flat_enough);
+#endif
 #endif
     float visibility = sum.open.x / sum.open.y;
 #ifdef LAST
@@ -92,5 +108,8 @@ void main() {
 #endif
 #ifdef BENT
     ssao_write_bent(sum.lost / sum.open.y, n);
+#endif
+#ifdef BOUNCE
+    ssao_write_gained(sum.gained / sum.open.y);
 #endif
 }

@@ -25,6 +25,9 @@ uniform sampler2D u_baked;      // visibility in red
 uniform float u_baked_strength;  // 0: all open, 1: as it is
 VARYING vec2 v_baked;
 #endif
+#ifdef SHINY
+uniform vec2 u_material;  // roughness, metalness
+#endif
 uniform vec4 u_color;  // base colour, sRGB; with a texture linear
 
 void main() {
@@ -32,6 +35,9 @@ void main() {
     if (ssao_hidden(-v_position.z)) discard;
 #endif
     ssao_write_depth(-v_position.z);
+#ifdef SHINY
+    ssao_write_material(u_material);
+#endif
 #ifdef BAKED_VERTEX
     ssao_write_baked(v_baked);
 #endif

@@ -15,6 +15,9 @@ uniform sampler2D u_small_normal;
 #ifdef BENT
 uniform sampler2D u_lost;
 #endif
+#ifdef BOUNCE
+uniform sampler2D u_gained;
+#endif
 uniform vec2 u_small_texel;   // 1 / size of the small image
 uniform float u_small_scale;  // pixels along each side of one of its texels
 uniform float u_per_pixel;    // 1 / (tolerance in pixels * size of a pixel at w = 1)
@@ -47,6 +50,9 @@ void ssao_tap(inout SsaoSum sum, SsaoPlane plane, vec2 q, LOW float weight, inou
     sum.open += vec2(tap.x, 1.0) * (fits * alike * weight);
 #ifdef BENT
     sum.lost += SAMPLE(u_lost, place).xyz * (fits * alike * weight);
+#endif
+#ifdef BOUNCE
+    sum.gained += SAMPLE(u_gained, place) * (fits * alike * weight);
 #endif
 }
 
@@ -81,6 +87,9 @@ void main() {
     frag_color = vec4(z > 0.0 ? visibility : 1.0);
 #ifdef BENT
     ssao_write_bent(sum.lost / max(sum.open.y, 0.02), n);
+#endif
+#ifdef BOUNCE
+    ssao_write_gained(sum.gained / max(sum.open.y, 0.02));
 #endif
 #ifdef REFINE
     gl_FragDepth = z > 0.0 && sum.open.y < u_least ? 0.0 : 1.0;

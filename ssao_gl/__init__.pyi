@@ -14,6 +14,7 @@ from .methods.lecture import Lecture
 from .methods.registry import method, register, registry
 from .metrics.images import Difference, compare
 from .passes.denoise import Joint, LectureBlur, Separable
+from .pipeline.light import Light
 from .pipeline.settings import Settings, Shading
 from .planner import Choice, Target, plan
 from .render.effect import Effect
@@ -23,6 +24,7 @@ from .render.renderer import Renderer
 from .sampling.disk import Kernel, Rotation
 from .scene.camera import Camera
 from .scene.depth_image import DepthImage
+from .scene.lamps import Lamp
 from .scene.model import Mesh, Scene
 from .scene.pose import look_at
 from .scene.spheres import Spheres
@@ -47,8 +49,10 @@ __all__ = [
     "InputWarning",
     "Joint",
     "Kernel",
+    "Lamp",
     "Lecture",
     "LectureBlur",
+    "Light",
     "Mesh",
     "MoleculeOptions",
     "OcclusionTexture",

@@ -18,6 +18,7 @@ from .io.depth_files import DepthForm, as_depth_image
 from .loaders.as_scene import as_camera, as_scene
 from .methods.base import Method
 from .passes.denoise import Filter, Joint
+from .pipeline.light import Light
 from .pipeline.settings import CALM, Settings, Shading, as_filter, as_method
 from .planner import Target, render_planned
 from .render.picture import Picture
@@ -34,9 +35,10 @@ def settings_of(
     blur_with: Filter | str | None = "joint",
     shading: Shading | None = None,
     rays: float = 0.0,
+    light: Light | None = None,
 ) -> Settings:
     """Return settings from parts or their names."""
-    return Settings(method=as_method(method), blur=as_filter(blur_with), shading=shading or Shading(), rays=rays)
+    return Settings(method=as_method(method), blur=as_filter(blur_with), shading=shading or Shading(), rays=rays, light=light)
 
 
 class Goals(TypedDict, total=False):
@@ -71,6 +73,7 @@ def render(
     method: Method | str | None = None,
     blur: Filter | str | None = "joint",
     shading: Shading | None = None,
+    light: Light | None = None,
     rays: float = 0.0,
     aovs: str | Sequence[str] = ("image", "visibility"),
     provider: str | Context = "auto",
@@ -81,7 +84,7 @@ def render(
     scene: a path, a :class:`Scene`, a ``trimesh`` mesh or scene, or a ``pyrender.Scene``. camera: a :class:`Camera`, a camera
     file, or None for the scene's own or an automatic one. size: (width, height) in pixels. aovs: any of image,
     visibility, depth, normal, bent, color; or one text with names by commas. shading: light and background, ``Shading(background="white")``;
-    with ``"transparent"`` the image is RGBA. rays: rays a pixel that correct what the screen cannot know, any share; needs the extra
+    with ``"transparent"`` the image is RGBA. light: lamps, shadows and light from all around, ``Light(shadows=True)``. rays: rays a pixel that correct what the screen cannot know, any share; needs the extra
     ``truth``. goals: ``budget_ms``, ``max_error``, by which method and options are chosen; see :func:`ssao_gl.plan`.
     """
     drawn = as_scene(scene)
@@ -90,7 +93,7 @@ def render(
         seen = None if camera is None else as_camera(camera, size)
         if why := unseen(drawn, seen, pixel_size(size)):
             logging.getLogger("ssao_gl").warning("%s", why)
-        return render_planned(renderer, drawn, seen, size, target, settings_of(method, blur, shading, rays), aovs=aovs)
+        return render_planned(renderer, drawn, seen, size, target, settings_of(method, blur, shading, rays, light), aovs=aovs)
 
 
 def sheet(

@@ -29,6 +29,10 @@ layout(location = COLOR) out vec4 out_color;
 layout(location = BAKED_TARGET) out vec4 out_baked;
 #endif
 
+#ifdef MATERIAL_TARGET
+layout(location = MATERIAL_TARGET) out vec4 out_material;
+#endif
+
 #ifdef BEHIND
 // Where in the image the fragment lies, as uv: a texel of several pixels is drawn for the middle of one of them.
 vec2 ssao_place(vec2 image_texel) {
@@ -54,7 +58,15 @@ void ssao_write_depth(float z) {
 #ifdef BAKED_TARGET
     out_baked = vec4(1.0);
 #endif
+#ifdef MATERIAL_TARGET
+    out_material = vec4(1.0, 0.0, 0.0, 1.0);
+#endif
 }
+
+#ifdef MATERIAL_TARGET
+// Roughness and metalness of what shines; after its depth, with which it is written as matt.
+void ssao_write_material(vec2 material) { out_material = vec4(material, 1.0, 1.0); }
+#endif
 
 #ifdef BAKED_TARGET
 // Visibility that the surface keeps; after its depth, with which it is written as open.

@@ -26,6 +26,11 @@ uniform sampler2D u_z2;
 uniform vec2 u_behind_texel;  // one pixel, as uv of u_z2
 uniform float u_behind_scale;  // pixels along each side of a texel of it
 #endif
+#ifdef BOUNCE
+uniform sampler2D u_bounce;   // linear light that each pixel reflects, and which share of it is dimmed as the environment is here
+uniform sampler2D u_normals;
+uniform vec2 u_bounce_texel;  // one pixel, as uv of both
+#endif
 uniform sampler2D u_noise;    // (cos, sin) of the first slice's direction, place of the taps between their steps
 uniform float u_noise_width;  // pixels
 uniform float u_per_radius;   // 1 / scene units
@@ -40,6 +45,9 @@ uniform vec3 u_shares;        // by which a sector is hidden: of slabs, of the n
 struct SsaoSweep {
     SsaoSlice slice;
     vec2 at;      // the pixel
+#ifdef BOUNCE
+    vec3 viewer;  // unit, to it
+#endif
     vec2 way;     // direction on the image
     vec2 room;    // to the border of the image, to the + and the - side
     vec2 reach;   // to go at most
@@ -60,6 +68,12 @@ struct SsaoHidden {
 #endif
 #ifdef FALLOFF
     float sum;  // of them, by how much they count
+#endif
+#ifdef BOUNCE
+    vec4 gained;  // what those reflect whose surface is seen from here, and how many they are
+    vec3 dimmed;
+    uint fresh;   // sectors that the last tap was the first to hide
+    vec2 front;   // where it lies
 #endif
 };
 
@@ -105,8 +119,26 @@ void ssao_hide(SsaoSweep w, vec2 offset, float z, float side, float thickness, f
     // Outwards, the first tap to hide a sector is what a ray there meets first.
     hidden.sum += ssao_count(bits & ~hidden.bits) * ssao_rho(sqrt(min(distance2, 1.0)));
 #endif
+#ifdef BOUNCE
+    hidden.fresh = bits & ~hidden.bits;
+    hidden.front = front;
+#endif
     hidden.bits |= bits;
 }
+
+#ifdef BOUNCE
+// Add what the tap reflects into the sectors that it is the first to hide, where its surface faces this one (after Therrien et al.).
+void ssao_gain(SsaoSweep w, vec2 uv, inout SsaoHidden hidden) {
+    if (hidden.fresh == 0u) return;
+    vec3 n = ssao_decode_normal(SAMPLE(u_normals, uv).xy);
+    bool faces = dot(n, w.slice.along) * hidden.front.x + dot(n, w.viewer) * hidden.front.y < 0.0;
+    if (!faces) return;
+    vec4 light = SAMPLE(u_bounce, uv);
+    float sectors = ssao_count(hidden.fresh);
+    hidden.gained += vec4(light.rgb, 1.0) * sectors;
+    hidden.dimmed += light.rgb * (light.a * sectors);
+}
+#endif
 
 void ssao_texel(
     SsaoSweep w, vec2 way, float side, float thickness, float ahead, inout vec4 last, inout SsaoHidden hidden
@@ -114,6 +146,9 @@ void ssao_texel(
     vec2 offset = floor(way + 0.5);  // free of where the pixel lies, so a picture in tiles has the taps of a whole one
     vec2 tap = w.at + offset;
     ssao_hide(w, offset, SAMPLE(u_z, tap * u_texel).r * u_per_radius, side, thickness, ahead, last.xy, hidden);
+#ifdef BOUNCE
+    ssao_gain(w, tap * u_bounce_texel, hidden);
+#endif
 #ifdef SECOND_LAYER
     // A texel that stands for several pixels shows what lies behind the one in its middle.
     vec2 middle = floor(tap / u_behind_scale) * u_behind_scale + (floor(0.5 * u_behind_scale) + 0.5);
@@ -182,6 +217,9 @@ void ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset, inout 
     SsaoSweep w;
     w.slice = ssao_slice(along, v, pixel.n);
     w.at = pixel.at;
+#ifdef BOUNCE
+    w.viewer = v;
+#endif
     w.way = texels / pixels;
     float reach = min(pixels, u_max_radius);
     w.room = vec2(ssao_room(w.at, w.way), ssao_room(w.at, -w.way));
@@ -205,6 +243,12 @@ void ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset, inout 
 #ifdef FALLOFF
     hidden.sum = 0.0;
 #endif
+#ifdef BOUNCE
+    hidden.gained = vec4(0.0);
+    hidden.dimmed = vec3(0.0);
+    hidden.fresh = 0u;
+    hidden.front = vec2(0.0);
+#endif
 #ifdef LOOPS
     for (int k = 0; k < STEPS; k++) ssao_step(w, float(k), plus, minus, hidden);
 #else
@@ -212,6 +256,9 @@ void ssao_sweep(SsaoPixel pixel, vec3 p, vec3 v, vec2 turn, float offset, inout 
 #endif
     float count = ssao_hidden(hidden);
     sum.open += vec2(1.0 - count / 32.0, 1.0) * w.slice.weight;
+#ifdef BOUNCE
+    sum.gained += vec4(hidden.gained.rgb - count / 32.0 * hidden.dimmed, hidden.gained.a) * (w.slice.weight / float(32 * SLICES));
+#endif
 #ifdef BENT
     vec2 lost = ssao_directions(hidden.bits, w.slice.normal.x);
     float bits = ssao_count(hidden.bits);
@@ -252,5 +299,8 @@ void main() {
     ssao_write(1.0 - hidden * mix(weight, 1.0, deep), pixel.z);
 #ifdef BENT
     ssao_write_bent(sum.lost, pixel.n);
+#endif
+#ifdef BOUNCE
+    ssao_write_gained(sum.gained);
 #endif
 }

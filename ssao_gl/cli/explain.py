@@ -22,7 +22,7 @@ from ..scene.model import Scene
 from ..scene.projection import Size
 from ..tiling.layout import USUAL_LIMIT, Layout, layout, unguarded
 from .explain_text import Explained
-from .options import GlOption, LookOptions, ViewOptions
+from .options import GlOption, LitLookOptions, ViewOptions
 from .output import say
 from .plan_options import PlanOptions, drawn_at_once, listed, tell
 from .tile_options import TileOption
@@ -42,7 +42,7 @@ def explain(
     gl: GlOption = "auto",
     json: Annotated[bool, Parameter(name="--json", negative="", help="As JSON.")] = False,
     view: ViewOptions = ViewOptions(),
-    look: LookOptions = LookOptions(),
+    look: LitLookOptions = LitLookOptions(),
     goal: PlanOptions = PlanOptions(),
 ) -> int:
     """Print the plan of a render: passes, formats, sizes, slots, memory, and what was left out and why.

@@ -25,6 +25,7 @@ from ..scene.pose import look_at
 from ..scene.projection import Matrix, Size
 from ..settings import assign
 from .help_pages import OCCLUSION, OUTPUT, RARE, VIEW
+from .light_options import LightOptions
 from .molecule_options import AtomOptions
 from .output import check_output, check_radius, input_warnings, parse_size, parse_vector, write_text
 from .tokens import WHOLE, parse_share
@@ -131,6 +132,18 @@ class LookOptions:
         """Return settings with a radius that was given as a share. ``length``: of a share of the scene, scene units."""
         share = parse_share(self.radius or "")
         return settings if share is None else settings.with_radius(length(share))
+
+
+@Parameter(name="*", group=OCCLUSION)
+@dataclass(frozen=True, kw_only=True)
+class LitLookOptions(LookOptions):
+    """Which method and filter, their settings, and light: of commands that draw scenes."""
+
+    lit: LightOptions = LightOptions()
+
+    def settings(self) -> Settings:
+        """Return the settings that the options ask for. Raises SettingsError, FormatError."""
+        return self.lit.onto(LookOptions.settings(self))
 
 
 @Parameter(name="*", group=VIEW)

@@ -23,7 +23,7 @@ class PlanOptions:
     budget_ms: Annotated[
         float | None,
         Parameter(
-            help="Choose the preset: the least error predicted within this time a frame, CPU time on software renderers."
+            help="Choose the preset: least error predicted within this time a frame, CPU time on software renderers."
             " [default: none]",
             negative="",
             allow_leading_hyphen=True,
@@ -32,7 +32,7 @@ class PlanOptions:
     max_error: Annotated[
         float | None,
         Parameter(
-            help="Choose the preset: the least time predicted within this RMSE of visibility against rays. [default: none]",
+            help="Choose the preset: least time predicted within this RMSE of visibility against rays. [default: none]",
             negative="",
             allow_leading_hyphen=True,
         ),

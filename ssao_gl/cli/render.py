@@ -28,7 +28,7 @@ from ..tiling.job import Job
 from ..tiling.layout import layout
 from ..tiling.turntable import ANIMATIONS, Turntable, draw_turntable
 from .help_pages import OUTPUT, RARE
-from .options import GlOption, JsonOption, LookOptions, ViewOptions
+from .options import GlOption, JsonOption, LitLookOptions, ViewOptions
 from .output import check_json, check_output, input_warnings, progress, say, write_json
 from .plan_options import PlanOptions, compared, drawn_at_once, expected
 from .signals import Terminated
@@ -103,7 +103,7 @@ def render(
     to: PictureOptions = PictureOptions(),
     gl: GlOption = "auto",
     view: ViewOptions = ViewOptions(),
-    look: LookOptions = LookOptions(),
+    look: LitLookOptions = LitLookOptions(),
     goal: PlanOptions = PlanOptions(),
 ) -> int:
     """Render a scene file with ambient occlusion.

@@ -16,6 +16,7 @@ LISTS: Mapping[str, tuple[int, str]] = {
     "--target": (3, ","),
     "--up": (3, ","),
     "--intrinsics": (4, ","),
+    "--light": (2, ","),
 }
 """Option -> how many numbers it takes, and what stands between them."""
 

@@ -17,6 +17,7 @@ from ..graph.names import DEPTH, DEPTH_LAYER_2
 from ..graph.plan import Plan, PlannedPass
 from ..graph.regions import DrawRegion, Rect
 from ..scene.camera import Camera
+from ..scene.lamps import LitView
 from ..scene.projection import ViewConstants
 from .draw_state import DrawState
 from .frame_targets import GL_COLOR, FrameTargets
@@ -44,12 +45,14 @@ the bottom, it returns (h, w)."""
 class SceneView:
     """What a plan with a G-buffer draws: a scene on the GPU, and the camera that looks at it.
 
-    hosts: who does what the host computes of it, by the name of the work.
+    hosts: who does what the host computes of it, by the name of the work. lit: what follows from where the camera and the
+    lights stand.
     """
 
     buffers: SceneBuffers
     camera: Camera
     hosts: Mapping[str, HostFunction] = field(default_factory=dict)
+    lit: LitView = field(default_factory=LitView)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,7 +162,8 @@ class FrameExecutor:
             case Fullscreen() as draw:
                 if step.task.clear and (step.task.test or not region.whole):
                     self._clear(step, target, dict.fromkeys(step.writes, step.task.clear))
-                self._fullscreen(index, draw, step, target, textures, view, region)
+                lit = {name: scene.lit.values[name] for name in draw.lit} if scene else {}
+                self._fullscreen(index, draw, step, target, textures, view, region, lit)
             case DrawScene() as draw:
                 if scene is None:
                     raise ContextError(f"pass '{step.task.name}' draws a scene, and this frame has none")
@@ -183,6 +187,7 @@ class FrameExecutor:
         textures: Mapping[str, Any],
         view: ViewConstants,
         region: DrawRegion,
+        lit: Mapping[str, Any],
     ) -> None:
         bound = self._bound.get((index, view.pinhole)) or self._bind(index, draw, view.pinhole)
         resources = self._resources
@@ -194,6 +199,7 @@ class FrameExecutor:
         if bound.program.user != (bound, view):
             self._set_uniforms(bound, draw, step, textures, view)
             bound.program.user = (bound, view)
+        bound.program.set(lit)
         target.use()
         with self._state(step, region.of(step)):
             bound.triangle.render(moderngl.TRIANGLES)
@@ -235,7 +241,10 @@ class FrameExecutor:
         framebuffers = self.targets.framebuffers
         drawn = (lambda: _read(self.plan, framebuffers, depths[0], WHOLE)[..., 0]) if depths else None
         with self._state.nearest_surface():
-            scene.buffers.draw(draw, scene.camera, view, step.writes, uniforms, onto_target(view, step), drawn)
+            if draw.view == "camera":
+                scene.buffers.draw(draw, scene.camera, view, step.writes, uniforms, onto_target(view, step), drawn)
+            else:
+                scene.buffers.draw(draw, *scene.lit.eyes[draw.view], step.writes, uniforms, np.eye(4), drawn)
 
     def _units(self, draw: DrawScene | DrawPrisms, textures: Mapping[str, Any]) -> dict[str, int]:
         """Bind the resources that a draw samples, and return the unit of each sampler."""

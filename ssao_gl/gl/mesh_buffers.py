@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..graph.names import BAKED, COLOR, NORMAL, SHADING_NORMAL
+from ..graph.names import BAKED, COLOR, MATERIAL, NORMAL, SHADING_NORMAL
 from ..scene.baked_visibility import BakedVisibility
 from ..scene.bounds import named_positions
 from ..scene.model import Mesh
@@ -152,6 +152,8 @@ def _defines(mesh: Mesh, seen: SceneDraw) -> dict[str, int]:
         defines["VERTEX_COLOR"] = 1
     if mesh.texture is not None and (colored or cut):
         defines["TEXTURED"] = 1
+    if mesh.material is not None and MATERIAL in writes:
+        defines["SHINY"] = 1
     if mesh.baked is not None and BAKED in writes:
         defines["BAKED_VERTEX" if mesh.baked.texture is None else "BAKED_TEXTURE"] = 1
         defines |= {} if mesh.baked.base_color is None else {"BAKED_IN_COLOR": 1}
@@ -165,7 +167,9 @@ def _look(mesh: Mesh, defines: Mapping[str, int]) -> dict[str, Any]:
     color = material.base_color[:3] if material is not None and "TEXTURED" in defines else mesh.color
     if mesh.baked is not None and mesh.baked.base_color is not None and "BAKED_IN_COLOR" in defines:
         color = mesh.baked.base_color if "TEXTURED" in defines else encoded_rgb(mesh.baked.base_color)
-    look = {"u_color": (*color, alpha)} | ({"u_cutoff": mesh.cutoff} if "CUT" in defines else {})
+    look: dict[str, Any] = {"u_color": (*color, alpha)} | ({"u_cutoff": mesh.cutoff} if "CUT" in defines else {})
+    if mesh.material is not None and "SHINY" in defines:
+        look["u_material"] = (mesh.material.roughness, mesh.material.metallic)
     return look | ({"u_baked_strength": mesh.baked.strength} if mesh.baked is not None and "BAKED_TEXTURE" in defines else {})
 
 

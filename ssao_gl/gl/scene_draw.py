@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..glsl.preprocess import Define
 from ..graph.draws import DrawScene
-from ..graph.names import BAKED, COLOR, DEPTH, DEPTH_LAYER_2, NORMAL, SHADING_NORMAL
+from ..graph.names import BAKED, COLOR, DEPTH, DEPTH_LAYER_2, MATERIAL, NORMAL, SHADING_NORMAL, SHADOW_DEPTH
 from ..scene.projection import Matrix, ViewConstants
 
 TARGETS = {
@@ -21,6 +21,8 @@ TARGETS = {
     SHADING_NORMAL: "SHADING_NORMAL_TARGET",
     COLOR: "COLOR",
     BAKED: "BAKED_TARGET",
+    MATERIAL: "MATERIAL_TARGET",
+    SHADOW_DEPTH: "DEPTH_TARGET",
 }
 """Resource -> the define that makes the shader write it."""
 

@@ -18,13 +18,13 @@ DEPTH_FORMAT = "depth24"
 PREVIOUS = "@previous"
 """Behind the name of a resource with a history: what it held after the last frame; zeros in the first one."""
 
-Role = Literal["gbuffer", "layer", "prepare", "cull", "occlusion", "denoise", "upsample", "composite"]
+Role = Literal["gbuffer", "layer", "prepare", "cull", "occlusion", "denoise", "upsample", "shadow", "composite"]
 """What a pass is for. Reports count times by it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Texture:
-    """A target: its format and its size as a share of the frame (rounded up, at least one texel).
+    """A target: its format and its size as a share of the frame (rounded up, at least one texel), or ``side`` x ``side`` texels.
 
     ``depth`` above 1: a 3-D texture of so many layers. ``lifetime`` history: what it holds can be read in the next frame, under
     its name and ``@previous``.
@@ -34,9 +34,12 @@ class Texture:
     scale: float = 1.0
     depth: int = 1
     lifetime: Literal["frame", "history"] = "frame"
+    side: int | None = None
 
     def size(self, frame: tuple[int, int]) -> tuple[int, int]:
         """Return (width, height) in texels for a frame of that many pixels."""
+        if self.side is not None:
+            return self.side, self.side
         w, h = (max(1, -int(-side * self.scale // 1)) for side in frame)
         return w, h
 

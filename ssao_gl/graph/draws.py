@@ -80,7 +80,8 @@ Uniform = bool | int | float | tuple[float, ...] | FloatTable | ViewValue
 class Fullscreen:
     """One triangle over the target, by the fragment shader ``shader``.
 
-    samplers: sampler uniform -> resource. tables: sampler uniform -> small repeating texture (h, w, channels).
+    samplers: sampler uniform -> resource. tables: sampler uniform -> small repeating texture (h, w, channels). lit: uniforms that
+    follow from where the camera and the lights of a scene stand; every frame brings their values.
     """
 
     shader: str
@@ -88,6 +89,7 @@ class Fullscreen:
     uniforms: Mapping[str, Uniform] = field(default_factory=dict)
     tables: Mapping[str, FloatTable] = field(default_factory=dict)
     defines: Mapping[str, Define] = field(default_factory=dict)
+    lit: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -55,6 +55,15 @@ REFINE_MASK = "refine_mask"
 """Depth buffer of the image: 0 where no small texel knows the pixel's surface."""
 LAYER_2_MASK = "layer_2_mask"
 
+BOUNCE = "bounce"
+"""Linear light that a surface reflects diffusely, once; in alpha which share of it is dimmed as the environment is where it arrives."""
+GAINED = "gained"
+"""Mean of what the hidden directions of a pixel reflect to it, and in alpha whether some of them are seen."""
+MATERIAL = "material"
+"""Perceptual roughness, metalness, and 1 where the surface shines at all."""
+SHADOW_DEPTH, SHADOW_MASK = "shadow_depth", "shadow_mask"
+"""Distance along the key light of what it meets first, scene units; and the depth buffer of that draw."""
+
 BLOCK_BOUNDS, BLOCK_SPREAD = "block_bounds", "block_spread"
 BLOCK_PROBE, BLOCK_OPEN = "block_probe", "block_open"
 

@@ -16,11 +16,13 @@ import numpy as np
 
 from ..errors import SceneError
 from ..scene.camera import Camera
+from ..scene.lamps import Lamp
 from ..scene.model import Mesh
 from ..scene.projection import Matrix
 from .gltf_animation import pose
 from .gltf_document import Document, Tree, index, open_glb, open_gltf
 from .gltf_extensions import check_extensions
+from .gltf_lamps import lamps_of
 from .gltf_materials import Materials
 from .gltf_nodes import Placed, flatten
 from .gltf_primitives import MODES, POINTS, primitive_data
@@ -52,23 +54,23 @@ class Shape:
         return [build_mesh(self.data, self.transforms, self.name, options.crease)] if drawn else []
 
 
-def read_gltf(document: Document, options: ReadOptions) -> tuple[list[Mesh], list[Camera]]:
-    """Meshes and cameras of a document. Raises SceneError."""
+def read_gltf(document: Document, options: ReadOptions) -> tuple[list[Mesh], list[Camera], list[Lamp]]:
+    """Meshes, cameras and lamps of a document. Raises SceneError."""
     with broken_structure():
-        shapes, cameras = read_shapes(document, options)
+        shapes, cameras, lamps = read_shapes(document, options)
         made = [mesh for shape in shapes for mesh in shape.built(options)]
     check_any(document, made)
-    return made, cameras
+    return made, cameras, lamps
 
 
-def read_shapes(document: Document, options: ReadOptions) -> tuple[Iterator[Shape], list[Camera]]:
-    """Primitives in the shapes that they take, made one after another, and cameras. Raises SceneError, and what a broken
+def read_shapes(document: Document, options: ReadOptions) -> tuple[Iterator[Shape], list[Camera], list[Lamp]]:
+    """Primitives in the shapes that they take, made one after another, cameras and lamps. Raises SceneError, and what a broken
     structure leads to (see :func:`broken_structure`)."""
     check_extensions(document)
     if options.animation is not None:
         pose(document, options.animation, options.time)
     placed, cameras, worlds = flatten(document)
-    return _made(document, placed, worlds), cameras
+    return _made(document, placed, worlds), cameras, lamps_of(document, worlds)
 
 
 @contextmanager

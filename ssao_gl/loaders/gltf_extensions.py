@@ -12,9 +12,10 @@ from .gltf_meshopt import MESHOPT, need_meshopt
 READ = frozenset({
     DRACO, *MESHOPT, "KHR_mesh_quantization", "KHR_texture_transform", "EXT_mesh_gpu_instancing", "KHR_node_visibility",
     "KHR_materials_variants", "KHR_materials_unlit", "KHR_materials_pbrSpecularGlossiness", "EXT_texture_webp",
+    "KHR_lights_punctual",
 })  # fmt: skip
 HARMLESS = frozenset({
-    "KHR_lights_punctual", "EXT_lights_image_based", "EXT_lights_ies", "KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer",
+    "EXT_lights_image_based", "EXT_lights_ies", "KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer",
     "KHR_audio_emitter", "KHR_interactivity", "KHR_node_hoverability", "KHR_node_selectability", "KHR_physics_rigid_bodies",
     "KHR_implicit_shapes", "KHR_collision_shapes", "KHR_blend", "MSFT_lod", "MSFT_packing_normalRoughnessMetallic",
     "MSFT_packing_occlusionRoughnessMetallic", "EXT_mesh_features", "EXT_feature_metadata", "EXT_structural_metadata",

@@ -79,8 +79,7 @@ class Materials:
         material = Material(
             (r, g, b, a), None, ALPHA.get(entry.get("alphaMode", "OPAQUE"), "OPAQUE"),
             _numbers([entry.get("alphaCutoff")], (0.5,), math.inf)[0], (er, eg, eb),
-            _numbers([facts.get("metallicFactor")], (1.0,))[0], _numbers([facts.get("roughnessFactor")], (1.0,))[0],
-            bool(entry.get("doubleSided", False)), one_line(entry.get("name", ""), 50),
+            *_shine(facts), bool(entry.get("doubleSided", False)), one_line(entry.get("name", ""), 50),
         )  # fmt: skip
         texture = facts.get(f"{name}Texture")
         if not isinstance(texture, dict):
@@ -188,3 +187,12 @@ def _transform(entry: Tree) -> NDArray[np.float64] | None:
     c, s = math.cos(float(entry.get("rotation", 0))), math.sin(float(entry.get("rotation", 0)))
     (x, y), (u, v) = entry.get("scale", (1, 1)), entry.get("offset", (0, 0))
     return np.array([[c * x, s * y, u], [-s * x, c * y, v]], np.float64)
+
+
+def _shine(facts: Tree) -> tuple[float, float]:
+    """Metalness and roughness of a surface. Their texture is not read: what has one is more often no metal than one."""
+    if "glossinessFactor" in facts or "diffuseFactor" in facts:
+        return 0.0, 1.0 - _numbers([facts.get("glossinessFactor")], (1.0,))[0]
+    usual = 0.0 if "metallicRoughnessTexture" in facts else 1.0
+    metallic = usual * _numbers([facts.get("metallicFactor")], (1.0,))[0]
+    return metallic, _numbers([facts.get("roughnessFactor")], (1.0,))[0]

@@ -106,7 +106,8 @@ def _read(path: Path, up: str, options: ReadOptions, notes: Notes) -> Scene:
     from . import mesh_files
 
     loaded = mesh_files.read(path, options, notes)
-    return finished(Scene(loaded.meshes, loaded.cameras, up_direction(up, loaded.kind), encodable(path.name)), notes)
+    scene = Scene(loaded.meshes, loaded.cameras, up_direction(up, loaded.kind), encodable(path.name), lamps=loaded.lamps)
+    return finished(scene, notes)
 
 
 class _quiet(warnings.catch_warnings):

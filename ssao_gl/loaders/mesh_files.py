@@ -16,6 +16,7 @@ from trimesh.exchange.load import mesh_formats
 
 from ..errors import SceneError, near_miss
 from ..scene.camera import Camera
+from ..scene.lamps import Lamp
 from ..scene.model import Mesh
 from .archives import ARCHIVES, SINGLE, rezip, unpack, unzip
 from .gltf import OPEN, read_gltf
@@ -40,11 +41,12 @@ MAX_MEMBERS = 1000
 
 @dataclass(frozen=True)
 class Loaded:
-    """What a file holds: meshes, cameras, the format that was read (of an archive's first mesh)."""
+    """What a file holds: meshes, cameras, lamps, the format that was read (of an archive's first mesh)."""
 
     meshes: list[Mesh]
     kind: str
     cameras: list[Camera] = field(default_factory=list)
+    lamps: list[Lamp] = field(default_factory=list)
 
 
 def formats() -> list[str]:
@@ -102,8 +104,8 @@ class _Reader:
         if kind in OPEN:
             document = OPEN[kind](file, size, beside)
             document.notes = self.notes
-            meshes, cameras = read_gltf(document, self.options)
-            loaded = Loaded(meshes, kind, cameras)
+            meshes, cameras, lamps = read_gltf(document, self.options)
+            loaded = Loaded(meshes, kind, cameras, lamps)
         elif self.options.animation is not None:
             raise SceneError(f"has no animations, as no .{kind} file has; leave out '{self.options.animation}'")
         else:
@@ -156,9 +158,9 @@ class _Reader:
                 parts.append(self.read(io.BytesIO(files[name]), kind_of(name), len(files[name]), beside))
             except SceneError as error:
                 raise SceneError(f"{name}: {error}") from None
-        return Loaded(
-            [mesh for part in parts for mesh in part.meshes], parts[0].kind, [c for part in parts for c in part.cameras]
-        )
+        meshes = [mesh for part in parts for mesh in part.meshes]
+        cameras, lamps = [c for part in parts for c in part.cameras], [lamp for part in parts for lamp in part.lamps]
+        return Loaded(meshes, parts[0].kind, cameras, lamps)
 
 
 def _paint(meshes: list[Any], colors: list[tuple[int, NDArray[np.uint8] | None]], notes: Notes) -> None:

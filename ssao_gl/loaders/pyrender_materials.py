@@ -36,6 +36,7 @@ class PyrenderLooks:
         mode: AlphaMode = {"MASK": "MASK", "BLEND": "BLEND"}.get(str(getattr(given, "alphaMode", "")), "OPAQUE")  # type: ignore[assignment]
         material = Material(
             (r, g, b, a), texture if usable else None, mode, float(getattr(given, "alphaCutoff", None) or 0.5),
+            metallic=_share(given, "metallicFactor"), roughness=_share(given, "roughnessFactor"),
             double_sided=bool(getattr(given, "doubleSided", False)), name=str(getattr(given, "name", None) or ""),
         )  # fmt: skip
         if not usable:
@@ -55,6 +56,14 @@ class PyrenderLooks:
                 self._notes.add(f"a texture of pyrender is left out ({error})")
                 self._textures[id(texture)] = None
         return self._textures[id(texture)]
+
+
+def _share(material: Any, name: str) -> float:
+    """A factor in 0..1. Without a texture of it; what has one is more often no metal than one."""
+    value = getattr(material, name, None)
+    if name == "metallicFactor" and (value is None or getattr(material, "metallicRoughnessTexture", None) is not None):
+        return 0.0
+    return 1.0 if value is None else float(np.clip(np.nan_to_num(float(value), nan=1.0), 0, 1))
 
 
 def _converted(texture: Any, pixels: NDArray[Any]) -> ColorTexture:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
+from ..errors import SceneError, one_line
 from ..scene.camera import Camera
+from ..scene.lamps import Lamp, LampKind
 from ..scene.lens import Pinhole
 from ..scene.material import Material
 from ..scene.model import DEFAULT_COLOR, Mesh, Scene
@@ -50,7 +51,7 @@ def is_pyrender_scene(thing: object) -> bool:
 
 
 def from_pyrender(scene: pyrender.Scene, *, point_size: float | None = None, painted: Mapping[Any, Any] | None = None) -> Scene:
-    """Return meshes, poses, instances, materials, background and the main camera of a ``pyrender.Scene``.
+    """Return meshes, poses, instances, materials, background, lights and the main camera of a ``pyrender.Scene``.
 
     point_size: of points, scene units; None for one that closes their surface. painted: node -> grey or (r, g, b), 0 to 255; its
     nodes alone, in these colours. Raises SceneError when nothing can be drawn.
@@ -71,9 +72,25 @@ def from_pyrender(scene: pyrender.Scene, *, point_size: float | None = None, pai
         raise SceneError("the pyrender scene has no triangles to draw")
     cameras = [] if scene.main_camera_node is None else [camera_from_pyrender(scene)]
     name = scene.name or "pyrender scene"
-    made = finished(Scene(draws, cameras, (0.0, 1.0, 0.0), name), notes)
+    made = finished(Scene(draws, cameras, (0.0, 1.0, 0.0), name, lamps=_lamps(scene, notes)), notes)
     notes.say(name)
     return dataclasses.replace(made, background=_background(scene))
+
+
+def _lamps(scene: Any, notes: Notes) -> list[Lamp]:
+    """The lights of the scene; what is broken is noted and left out."""
+    found: list[Lamp] = []
+    for kind in get_args(LampKind):
+        for node in getattr(scene, f"{kind}_light_nodes", ()):
+            light = node.light
+            try:
+                r, g, b = np.asarray(light.color, np.float64)[:3] * float(light.intensity)
+                cone = getattr(light, "innerConeAngle", 0.0), getattr(light, "outerConeAngle", 0.0)
+                reach = getattr(light, "range", None)
+                found.append(Lamp.hung(kind, np.asarray(scene.get_pose(node), np.float64), (r, g, b), reach, cone))
+            except Exception as error:  # the picture can be drawn without
+                notes.add(f"a light of pyrender is left out ({one_line(error, 100)})")
+    return found
 
 
 def _painted(mesh: Mesh, color: Any) -> Mesh:

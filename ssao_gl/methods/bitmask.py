@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import SettingsError
 from ..graph.draws import Define, ViewValue
-from ..graph.names import BENT_NORMAL, DEPTH, DEPTH_LAYER_2, PIXEL_DEPTH, PIXEL_NORMAL, VISIBILITY
+from ..graph.names import BENT_NORMAL, DEPTH, DEPTH_LAYER_2, GAINED, PIXEL_DEPTH, PIXEL_NORMAL, VISIBILITY
 from ..sampling.disk import bayer
 from ..settings import setting, validate
 from .base import Deviation
@@ -100,7 +100,7 @@ class Bitmask:
         layers, fit = {"second_layer"} if self.layers == 2 else set(), self.fitted
         return Traits(
             inputs=frozenset({"depth", "normal", *layers}),
-            outputs=frozenset({VISIBILITY, BENT_NORMAL}),
+            outputs=frozenset({VISIBILITY, BENT_NORMAL, GAINED}),
             scale=self.scale,
             noise_tile=self.tile,
             guard_band=self.guard,

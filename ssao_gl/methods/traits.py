@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from ..graph.names import BENT_NORMAL, VISIBILITY
+from ..graph.names import BENT_NORMAL, GAINED, VISIBILITY
 
 if TYPE_CHECKING:
     from .base import Method
@@ -15,7 +15,7 @@ INPUTS = ("depth", "normal", "depth_table", "second_layer", "history", "scene", 
 frame left. scene: the triangles themselves. prepared: data made once from the scene. baked: visibility that its meshes keep. The last five come from a renderer that
 has the scene; arrays and effects have none."""
 
-OUTPUTS = (VISIBILITY, BENT_NORMAL)
+OUTPUTS = (VISIBILITY, BENT_NORMAL, GAINED)
 """What a method may draw."""
 
 CAMERAS = {

@@ -14,6 +14,7 @@ from ..graph.declare import DepthTest, Pass, Texture
 from ..graph.draws import Define, FloatTable, Fullscreen, Uniform, ViewValue
 from ..graph.names import (
     BENT_NORMAL,
+    GAINED,
     NORMAL,
     NORMAL_SMALL,
     VISIBILITY,
@@ -22,7 +23,7 @@ from ..graph.names import (
     VISIBILITY_SMALL,
 )  # fmt: skip
 from ..settings import setting, validate
-from .bent_normals import extra_signal
+from .extra_signals import extra_signals
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +33,7 @@ class FilterTraits:
     scales: bool = False
     """Whether it can run at a smaller size, on packed texels that keep depth for the way back."""
     carries: frozenset[str] = frozenset()
-    """Outputs that it filters beside visibility: ``bent_normal``."""
+    """Outputs that it filters beside visibility: ``bent_normal``, ``gained``."""
     tolerance: float = 0.35
     """Distance off the tangent plane at which upsampling still counts a texel in full, texels."""
 
@@ -41,13 +42,13 @@ class FilterTraits:
 class FilterJob:
     """What is asked of a filter. tile: width of the noise, texels. scale: pixels to a texel along each side.
 
-    test: which texels there are. bent: filter occluded directions, too.
+    test: which texels there are. signals: what is filtered beside visibility.
     """
 
     tile: int = 4
     scale: int = 1
     test: DepthTest | None = None
-    bent: bool = False
+    signals: tuple[str, ...] = ()
 
     @property
     def result(self) -> str:
@@ -110,7 +111,7 @@ class Joint:
 
     @property
     def traits(self) -> FilterTraits:
-        return FilterTraits(scales=True, carries=frozenset({BENT_NORMAL}), tolerance=self.tolerance)
+        return FilterTraits(scales=True, carries=frozenset({BENT_NORMAL, GAINED}), tolerance=self.tolerance)
 
     def passes(self, job: FilterJob) -> list[Pass]:
         names = (VISIBILITY_RAW, VISIBILITY_BLUR_X, job.result)
@@ -120,7 +121,7 @@ class Joint:
         radius, scale = self.radius or max(1, job.tile // 2), job.scale
         weights = gaussian(radius, self.sigma) if self.sigma > 0 else matched(radius)
         last = result == VISIBILITY
-        more = extra_signal(job.bent, source, result, scale)
+        more = extra_signals(job.signals, source, result, scale)
         samplers = {"u_packed": source, "u_normal": NORMAL if scale == 1 else NORMAL_SMALL, **more.samplers}
         uniforms: dict[str, Uniform] = {
             "u_next": ViewValue("target_texel", axis=axis),

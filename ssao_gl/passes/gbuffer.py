@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..graph.declare import Pass, Texture
 from ..graph.draws import DrawScene, Uniform, ViewValue
-from ..graph.names import BAKED, COLOR, DEPTH, DEPTH_LAYER_2, LAYER_2_MASK, NORMAL, SCENE_MASK, SHADING_NORMAL
+from ..graph.names import BAKED, COLOR, DEPTH, DEPTH_LAYER_2, LAYER_2_MASK, MATERIAL, NORMAL, SCENE_MASK, SHADING_NORMAL
 
 SHADERS = {
     "mesh": ("gbuffer.vert", "gbuffer.frag"),
@@ -17,10 +17,10 @@ SHADERS = {
 NOTHING = (0.0, 0.0, 0.0, 0.0)
 
 
-def gbuffer(background: Sequence[float], *, geometric: bool) -> Pass:
+def gbuffer(background: Sequence[float], *, geometric: bool, material: bool = False) -> Pass:
     """Draw the frame's scene. ``background``: sRGB in 0..1.
 
-    ``geometric``: the normals that occlusion reads are the triangles' own; shading normals are the mesh's always.
+    ``geometric``: the normals that occlusion reads are the triangles' own; shading normals are the mesh's always. material: what shines is told too.
     """
     targets = {
         DEPTH: Texture("r32f"),
@@ -28,6 +28,7 @@ def gbuffer(background: Sequence[float], *, geometric: bool) -> Pass:
         SHADING_NORMAL: Texture("rg16f"),
         COLOR: Texture("rgba8"),
         BAKED: Texture("r16f"),
+        **({MATERIAL: Texture("rgba8")} if material else {}),
     }
     clears = dict.fromkeys(targets, NOTHING) | {COLOR: (*background, 1.0)}
     draw = DrawScene(SHADERS, clears, defines={"GEOMETRIC": 1} if geometric else {})

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from ..errors import SettingsError
 from ..graph.declare import DepthTest, Pass, Texture
-from ..graph.draws import Define, FloatTable, Fullscreen, as_uniforms
+from ..graph.draws import Define, FloatTable, Fullscreen, ViewValue, as_uniforms
 from ..graph.names import (
     BENT_NORMAL,
+    BOUNCE,
     DEPTH,
     DEPTH_SMALL,
+    GAINED,
     NORMAL,
     NORMAL_SMALL,
     PIXEL_DEPTH,
@@ -20,7 +23,7 @@ from ..graph.names import (
     VISIBILITY_UPSAMPLED,
 )  # fmt: skip
 from ..methods.base import Method
-from .bent_normals import extra_signal
+from .extra_signals import extra_signals
 
 PIXEL = {
     False: {PIXEL_DEPTH: DEPTH, PIXEL_NORMAL: NORMAL},
@@ -39,19 +42,27 @@ def occlude(
     scale: int = 1,
     test: DepthTest | None = None,
     over: str | None = None,
-    bent: bool = False,
+    signals: Sequence[str] = (),
 ) -> Pass:
     """Draw the method. ``packed`` hands visibility and depth in one texel to a filter, else it is the final visibility.
 
     ``scale`` above 1: at a smaller size, for the pixels that ``downsample`` chose. ``test``: which pixels need it.
-    ``over``: what holds the others' visibility, to draw on top of. ``bent``: and bent normals.
+    ``over``: what holds the others' visibility, to draw on top of. ``signals``: what is drawn beside visibility, see ``extra_signals``.
     """
     name, target = (VISIBILITY_RAW, Texture("r32f", 1 / scale)) if packed else (VISIBILITY, Texture("r8"))
-    more = extra_signal(bent, None, name, scale)
+    more = extra_signals(signals, None, name, scale)
     defines: dict[str, Define] = {**({"PACKED": 1} if packed else {}), **({"SMALL": 1} if scale > 1 else {}), **more.defines}
     draw = _draw(method, small=scale > 1, defines=defines)
+    draw = _gathering(draw, scale) if GAINED in signals else draw
     writes, below = {name: target, **more.writes}, {name: over} if over else {}
     return Pass(method.name, "occlusion", draw, writes, test=test, over=below, clear=BACKGROUND[packed])
+
+
+def _gathering(draw: Fullscreen, scale: int) -> Fullscreen:
+    """Return the draw of a method with what its taps gather beside visibility."""
+    samplers = {"u_bounce": BOUNCE, "u_normals": PIXEL[scale > 1][PIXEL_NORMAL]}
+    texel = ViewValue("resource_size", scale, inverse=True, resource=BOUNCE)
+    return replace(draw, samplers={**draw.samplers, **samplers}, uniforms={**draw.uniforms, "u_bounce_texel": texel})
 
 
 def refine_missed(method: Method, mask: str) -> Pass:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..graph.declare import DepthTest, Pass, Texture
 from ..graph.draws import Define, Fullscreen, Uniform, ViewValue
 from ..graph.names import (
@@ -16,8 +18,8 @@ from ..graph.names import (
     VISIBILITY_UNSHADED,
     VISIBILITY_UPSAMPLED,
 )  # fmt: skip
-from .bent_normals import extra_signal
 from .culling import PER_BLOCK
+from .extra_signals import extra_signals
 
 EDGE = 30.0
 """Depths that differ by more, in the size of a pixel, are of two surfaces, which take turns. Elsewhere the same pixel is kept
@@ -43,7 +45,7 @@ def downsample(scale: int, *, open_blocks: bool) -> Pass:
 
 
 def upsample(
-    source: str, scale: int, tolerance: float, mask: DepthTest | None, refine_below: float, *, bent: bool = False
+    source: str, scale: int, tolerance: float, mask: DepthTest | None, refine_below: float, *, signals: Sequence[str] = ()
 ) -> Pass:
     """Bring ``source`` (packed, small) to the size of the image.
 
@@ -51,7 +53,7 @@ def upsample(
     pixels whose texels together weigh less, to be drawn again.
     """
     result = VISIBILITY_UPSAMPLED if refine_below else VISIBILITY
-    more = extra_signal(bent, source, result)
+    more = extra_signals(signals, source, result)
     defines: dict[str, Define] = {"PACKED": 1, **({"REFINE": 1} if refine_below else {}), **more.defines}
     samplers = {"u_packed": source, "u_z": DEPTH, "u_normal": NORMAL, "u_small_normal": NORMAL_SMALL, **more.samplers}
     uniforms: dict[str, Uniform] = {

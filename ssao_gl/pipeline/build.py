@@ -42,6 +42,7 @@ from ..passes.prisms import add_prisms
 from ..passes.resolution import downsample, upsample, upsample_by_depth
 from ..scene.projection import Size, ViewConstants
 from .culling import CullingPlan, plan_culling
+from .lighting import Signals, light_before_occlusion, lit_image, signals_of
 from .outputs import aov_resources
 from .residual import check_no_rays, corrected
 from .settings import PRECISIONS, Settings, drawn_filter, drawn_scale
@@ -63,15 +64,17 @@ def plan_render(
 
     Raises SettingsError when the method's radius is not settled, or cannot give what is asked for.
     """
-    flat, bent = settings.normals == "geometric", "bent" in aovs
-    culling = plan_culling(settings, DepthTest(SCENE_MASK, far=True), size, triangles, flat_normals=flat, bent=bent)
+    flat, light = settings.normals == "geometric", settings.light if "image" in aovs else None
+    signals = signals_of(settings, light, bent="bent" in aovs)
+    culling = plan_culling(settings, DepthTest(SCENE_MASK, far=True), size, triangles, flat_normals=flat, signals=bool(signals))
     background, traits = settings.shading.background_rgba, settings.method.traits
     passes = [
-        gbuffer(WHITE, geometric=flat),
+        gbuffer(WHITE, geometric=flat, material=light is not None and light.specular > 0),
+        *light_before_occlusion(settings, light),
         layer_behind(traits.layer_gap * (settings.method.radius or 0.0), traits.layer_scale),
         *_depth_table(settings, size),
         *add_prisms(settings.method, drawn_scale(settings)),
-        *corrected(settings, _visibility(settings, culling, bent=bent), culling.mask),
+        *corrected(settings, _visibility(settings, culling, signals), culling.mask),
         *_image(settings, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
     ]
     passes = _toned(settings, passes)
@@ -100,6 +103,8 @@ def plan_apply(
     kind of depth.
     """
     check_no_rays(settings, "apply")
+    if settings.light:
+        raise SettingsError("light: needs a scene to light, and arrays are lit already; use render, or light=None")
     single = settings.method.traits.single_layer
     layers = {"layer behind": "a depth buffer has one layer"} if single else {}
     settings = replace(settings, method=single) if single else settings
@@ -107,10 +112,10 @@ def plan_apply(
         raise SettingsError(f"{settings.method.name}: needs a scene to draw; use render, or another method")
     if depth not in (WINDOW_DEPTH, EYE_DEPTH):
         raise SettingsError(f"depth kind '{depth}'; must be 'eye' (distance along the view axis) or 'window' (0 to 1)")
-    bent = BENT_NORMAL in outputs
+    signals = signals_of(settings, None, bent=BENT_NORMAL in outputs)
     # A depth buffer of the image costs more memory than its one use costs time where occlusion is drawn at a smaller size.
     mask = DepthTest(SCENE_MASK) if drawn_scale(settings) == 1 else None
-    culling = plan_culling(settings, mask, size, None, flat_normals=not normals, bent=bent)
+    culling = plan_culling(settings, mask, size, None, flat_normals=not normals, signals=bool(signals))
     notes = (
         layers
         | _notes(settings, culling)
@@ -120,7 +125,7 @@ def plan_apply(
         linearize(window=depth == WINDOW_DEPTH, mask=culling.mask is not None),
         encode_normals() if normals else reconstruct_normals(),
         *_depth_table(settings, size),
-        *_visibility(settings, culling, bent=bent),
+        *_visibility(settings, culling, signals),
         *_image(settings, (0.0, 0.0, 0.0, 1.0), direct=False),
     ]
     passes = _toned(settings, passes, live=live)
@@ -137,16 +142,14 @@ def check_camera(settings: Settings, view: ViewConstants) -> None:
             raise SettingsError(f"{method.name}: {CAMERAS[need]}")
 
 
-def _visibility(settings: Settings, culling: CullingPlan, *, bent: bool) -> list[Pass]:
-    """Return all passes from depth and normals to visibility, and to bent normals."""
-    if bent:
-        _check_bent(settings)
+def _visibility(settings: Settings, culling: CullingPlan, signals: Signals) -> list[Pass]:
+    """Return all passes from depth and normals to visibility, and to the signals beside it."""
     scale = drawn_scale(settings)
     if scale == 1:
-        return _at_full_size(settings, culling, bent=bent)
+        return _at_full_size(settings, culling, signals)
     if drawn_filter(settings) is None and "depth_table" in settings.method.traits.inputs:
         return _by_depth_alone(settings.method, culling, scale)
-    return _at_smaller_size(settings, culling, scale, bent=bent)
+    return _at_smaller_size(settings, culling, scale, signals)
 
 
 def _depth_table(settings: Settings, size: Size) -> list[Pass]:
@@ -163,10 +166,14 @@ def _table_scale(settings: Settings) -> int:
 def _image(settings: Settings, background: Sequence[float], *, direct: bool, test: DepthTest | None = None) -> list[Pass]:
     """Return the passes to the image: light, and halos where they are asked for."""
     shading = settings.shading
+    result = IMAGE_WITHOUT_HALO if shading.halo else IMAGE
+    if settings.light:
+        plain = lit_image(settings, settings.light, background, test, result)
+    else:
+        plain = composite(shading.ambient, background, direct=direct, test=test, result=result)
     if not shading.halo:
-        return [composite(shading.ambient, background, direct=direct, test=test)]
+        return [plain]
     scale, radius = _table_scale(settings), settings.method.radius
-    plain = composite(shading.ambient, background, direct=direct, test=test, result=IMAGE_WITHOUT_HALO)
     return [plain, *paint_halo(shading.halo_rgba, shading.halo, shading.halo_width, radius, scale)]
 
 
@@ -176,36 +183,36 @@ def _toned(settings: Settings, passes: list[Pass], *, live: bool = False) -> lis
     return toned(passes, shading.power, shading.tint_linear) if live or shading.toned else passes
 
 
-def _at_full_size(settings: Settings, culling: CullingPlan, *, bent: bool) -> list[Pass]:
+def _at_full_size(settings: Settings, culling: CullingPlan, signals: Signals) -> list[Pass]:
     method, blur, mask = settings.method, drawn_filter(settings), culling.mask
     packed = blur is not None
     unshaded = VISIBILITY_UNSHADED if culling.blocks else None
     test = DepthTest(SHADE_MASK) if unshaded else mask
-    job = FilterJob(tile=method.traits.noise_tile, test=mask, bent=bent)
+    job = FilterJob(tile=method.traits.noise_tile, test=mask, signals=signals)
     return [
         depth_over_far(),
         *culling.blocks,
         *([shade_mask(packed=packed)] if unshaded else []),
-        occlude(method, packed=packed, test=test, over=unshaded, bent=bent),
+        occlude(method, packed=packed, test=test, over=unshaded, signals=signals),
         *(blur.passes(job) if blur else []),
     ]
 
 
-def _at_smaller_size(settings: Settings, culling: CullingPlan, scale: int, *, bent: bool) -> list[Pass]:
+def _at_smaller_size(settings: Settings, culling: CullingPlan, scale: int, signals: Signals) -> list[Pass]:
     method, blur = settings.method, drawn_filter(settings)
     unshaded = VISIBILITY_UNSHADED if culling.blocks else None
     masked = culling.background or unshaded is not None
     shaded = DepthTest(SHADE_MASK) if masked else None
     seen = DepthTest(SHADE_MASK, equal=unshaded is not None) if culling.background else None
-    job = FilterJob(tile=method.traits.noise_tile, scale=scale, test=seen, bent=bent)
+    job = FilterJob(tile=method.traits.noise_tile, scale=scale, test=seen, signals=signals)
     tolerance = (blur.traits if blur else FilterTraits()).tolerance
     refine_below = method.traits.refine_below
     return [
         *culling.blocks,
         downsample(scale, open_blocks=unshaded is not None),
-        occlude(method, packed=True, scale=scale, test=shaded, over=unshaded, bent=bent),
+        occlude(method, packed=True, scale=scale, test=shaded, over=unshaded, signals=signals),
         *(blur.passes(job) if blur else []),
-        upsample(job.result if blur else VISIBILITY_RAW, scale, tolerance, culling.mask, refine_below, bent=bent),
+        upsample(job.result if blur else VISIBILITY_RAW, scale, tolerance, culling.mask, refine_below, signals=signals),
         *([refine_missed(method, REFINE_MASK)] if refine_below else []),
     ]
 
@@ -214,14 +221,6 @@ def _by_depth_alone(method: Method, culling: CullingPlan, scale: int) -> list[Pa
     """Return the passes of a method that reads the first of each ``scale`` x ``scale`` pixels, and no normals."""
     drawn = occlude(method, packed=True, scale=scale)
     return [drawn, upsample_by_depth(VISIBILITY_RAW, scale, method.radius, culling.mask)]
-
-
-def _check_bent(settings: Settings) -> None:
-    """Raise SettingsError where bent normals cannot be had."""
-    if BENT_NORMAL not in settings.method.traits.outputs:
-        raise SettingsError(f"bent: {settings.method.name} does not know which directions are open; use the method bitmask")
-    if settings.blur is not None and BENT_NORMAL not in settings.blur.traits.carries:
-        raise SettingsError(f"bent: the filter {settings.blur.name} is for visibility alone; use joint, or none")
 
 
 def _at(precision: str, passes: Sequence[Pass], fine: bool) -> list[Pass]:

@@ -33,17 +33,17 @@ def plan_culling(
     triangles: int | None,
     *,
     flat_normals: bool,
-    bent: bool = False,
+    signals: bool = False,
 ) -> CullingPlan:
     """Decide which rules are in force.
 
-    ``triangles`` of a scene that surrounds the camera; ``flat_normals``: normals are those that depth shows; ``bent``: bent
-    normals are drawn too.
+    ``triangles`` of a scene that surrounds the camera; ``flat_normals``: normals are those that depth shows; ``signals``: bent
+    normals or bounces are drawn too.
     """
     background = "background" not in settings.keep
     mask = mask if background else None
-    if bent and settings.blur is None and drawn_scale(settings) == 1:
-        return CullingPlan(background, mask, (), "bent normals without a filter are drawn everywhere")
+    if signals and settings.blur is None and drawn_scale(settings) == 1:
+        return CullingPlan(background, mask, (), "bent normals and bounces without a filter are drawn everywhere")
     method = settings.method
     if method.traits.probe and "adaptive" not in settings.keep:
         return CullingPlan(background, mask, (probe_blocks(method, BLOCK_PROBE, BLOCK), open_blocks_by_probe()), "")

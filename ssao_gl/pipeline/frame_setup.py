@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from ..graph.plan import Plan
 from ..graph.regions import DrawRegion
 from ..scene.camera import Camera
+from ..scene.lamps import LitView
 from ..scene.lens import CropLens
 from ..scene.model import Scene
 from ..scene.projection import Size, ViewConstants
@@ -16,6 +17,7 @@ from ..scene.screen_bounds import screen_bounds
 from .build import check_camera, plan_render
 from .fill import check_fill
 from .kept import check_kept
+from .light import lit_view
 from .settings import GUARD_STEP, Settings, guard_band
 
 
@@ -24,7 +26,7 @@ class FrameSetup:
     """A framed view.
 
     settings: with a radius. outer: size of all that is drawn, the guard band included, which ``view`` shows. triangles: of a
-    scene that surrounds the camera, spheres counted like them, else None. region: which part of it is drawn.
+    scene that surrounds the camera, spheres counted like them, else None. region: which part of it is drawn. lit: its light.
     """
 
     settings: Settings
@@ -32,6 +34,7 @@ class FrameSetup:
     triangles: int | None
     view: ViewConstants
     region: DrawRegion
+    lit: LitView
     corner: tuple[int, int]
     """Pixel of the whole picture at the lower left of what is drawn."""
     whole: Size
@@ -48,6 +51,8 @@ def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, li
     Raises SettingsError for a camera that the method is not defined for, and for a view that would take it too long.
     """
     settings = settings.settled(camera.ao_radius or scene.default_radius(), scene.background)
+    light = settings.light and settings.light.settled(scene)
+    settings = dataclasses.replace(settings, light=light)
     (w, h), room = size, (limit - max(size)) // 2 // GUARD_STEP * GUARD_STEP
     tile = camera.lens if isinstance(camera.lens, CropLens) else CropLens(camera.lens, size, (0, 0))
     height = tile.whole[1]
@@ -61,4 +66,5 @@ def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, li
     covered = screen_bounds(scene.bounds, camera, view)
     corner = tile.corner[0] - border, tile.corner[1] - border
     region = DrawRegion((border, border, w, h) if border else None, None if "background" in settings.keep else covered)
-    return FrameSetup(settings, outer, None if covered else scene.pieces, view, region, corner, tile.whole)
+    lit = lit_view(light, scene, camera, size)
+    return FrameSetup(settings, outer, None if covered else scene.pieces, view, region, lit, corner, tile.whole)

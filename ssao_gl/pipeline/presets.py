@@ -13,6 +13,7 @@ from ..io.atomic import why_unreadable
 from ..methods.registry import method, registry
 from ..passes.denoise import FILTERS, filter_named
 from ..settings import assign
+from .light import Light
 from .settings import CULLING_RULES, Settings, Shading
 
 DEFAULT_METHOD = "bitmask"
@@ -61,7 +62,7 @@ def settings_from(
     """Return settings in rising order of precedence: defaults, the preset, ``table`` (from TOML), names, ``group.key=value``
     texts, overrides.
 
-    Groups are ``shading``, ``filter_named`` (the chosen filter) and the name of the chosen method; a key without a group is the
+    Groups are ``shading``, ``light``, ``filter_named`` (the chosen filter) and the name of the chosen method; a key without a group is the
     method's, but for ``normals``, ``precision`` and ``rays``. ``overrides`` are fields of the method. Raises SettingsError naming what is
     unknown.
     """
@@ -71,6 +72,7 @@ def settings_from(
             "method": method(method_name or _text(table, "method", DEFAULT_METHOD), preset_name or _text(table, "preset", "")),
             "blur": filter_named(blur_name or _text(table, "blur", "joint")),
             "shading": Shading(),
+            "light": None,
             "normals": _text(table, "normals", "geometric"),
             "precision": _text(table, "precision", "high"),
             "rays": table.get("rays", 0.0) if rays is None else rays,
@@ -98,14 +100,14 @@ class _Chosen:
         return str(self.parts["method"].name)
 
     def put(self, group: str, values: Mapping[str, Any]) -> None:
-        """Values of a group: ``shading``, ``filter_named``, or a method or a filter by its name."""
-        groups = {self.method: "method", "method": "method", "shading": "shading"}
+        """Values of a group: ``shading``, ``light``, ``filter_named``, or a method or a filter by its name."""
+        groups = {self.method: "method", "method": "method", "shading": "shading", "light": "light"}
         if self.parts["blur"] is not None:
             groups |= dict.fromkeys(("blur", f"blur_{self.parts['blur'].name}"), "blur")
         elif group == "blur":
             raise SettingsError("there is no blur to set anything of: blur is 'none'")
         if part := groups.get(group):
-            self.parts[part] = assign(self.parts[part], values)
+            self.parts[part] = assign(Light() if self.parts[part] is None else self.parts[part], values)
         elif group not in registry() and group not in {f"blur_{b}" for b in FILTERS}:  # others' settings may stay in a file
             known = list(dict.fromkeys([*groups, "blur"]))
             raise SettingsError(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
@@ -17,11 +16,11 @@ from ..methods.registry import method
 from ..passes.denoise import Filter, Joint, filter_named
 from ..scene.srgb import decode
 from ..settings import as_table, setting, validate
+from .colors import NAMED, SOLID, check_color, rgba
+from .light import Light
 
 GUARD_STEP = 16
 
-HEX = re.compile(r"#[0-9a-fA-F]{6}(?:[0-9a-fA-F]{2})?")
-BACKGROUNDS: Mapping[str, str] = {"white": "#ffffff", "black": "#000000", "transparent": "#00000000"}
 CALM = "#9aa5b1"
 """Behind a scene without a background: white and black parts, and those of the default grey, all stand out from it."""
 
@@ -54,25 +53,25 @@ class Shading:
 
     def __post_init__(self) -> None:
         validate(self)
-        _check_color("shading.tint", self.tint, {name: BACKGROUNDS[name] for name in ("white", "black")})
+        check_color("shading.tint", self.tint, SOLID)
         if self.background is not None:
-            _check_color("shading.background", self.background, BACKGROUNDS)
-        _check_color("shading.halo_color", self.halo_color, {name: BACKGROUNDS[name] for name in ("white", "black")})
+            check_color("shading.background", self.background, NAMED)
+        check_color("shading.halo_color", self.halo_color, SOLID)
 
     @property
     def background_rgba(self) -> tuple[float, float, float, float]:
         """Return sRGB and alpha in 0..1; a calm grey blue where nothing was chosen."""
-        return _rgba(self.background or CALM)
+        return rgba(self.background or CALM)
 
     @property
     def halo_rgba(self) -> tuple[float, float, float, float]:
         """Return sRGB and alpha in 0..1."""
-        return _rgba(self.halo_color)
+        return rgba(self.halo_color)
 
     @property
     def tint_linear(self) -> tuple[float, float, float]:
         """Return linear light in 0..1."""
-        r, g, b = (float(part) for part in decode(_rgba(self.tint)[:3]))
+        r, g, b = (float(part) for part in decode(rgba(self.tint)[:3]))
         return r, g, b
 
     @property
@@ -86,20 +85,6 @@ class Shading:
             return self
         text = CALM if own is None else "#" + "".join(f"{round(255 * value):02x}" for value in own)
         return dataclasses.replace(self, background=text)
-
-
-def _check_color(field: str, value: str, names: Mapping[str, str]) -> None:
-    """Raise SettingsError for what is no colour."""
-    if not HEX.fullmatch(names.get(value, value)):
-        raise SettingsError(
-            f"{field}='{value}': must look like #rrggbb or #rrggbbaa, or be one of {', '.join(names)}" + near_miss(value, names)
-        )
-
-
-def _rgba(color: str) -> tuple[float, float, float, float]:
-    digits = BACKGROUNDS.get(color, color)[1:].ljust(8, "f")
-    r, g, b, a = (int(digits[i : i + 2], 16) / 255 for i in (0, 2, 4, 6))
-    return r, g, b, a
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,6 +110,8 @@ class Settings:
         low=0,
         high=4096,
     )
+    light: Light | None = None
+    """Lamps, shadows and light from all around; None: an ambient part and a light over the viewer's shoulder, by ``shading``."""
     keep: tuple[str, ...] = ()
     """Rules of leaving out that are switched off, of :data:`CULLING_RULES`."""
 
@@ -133,6 +120,10 @@ class Settings:
         object.__setattr__(self, "blur", as_filter(self.blur))
         if not isinstance(self.shading, Shading):
             raise SettingsError(f"shading={self.shading!r}: must be a Shading, like Shading(ambient=0.75)")
+        if not isinstance(self.light, Light | None):
+            raise SettingsError(
+                f"light={one_line(repr(self.light), 60)}: must be a Light, like Light(azimuth=-40, elevation=50)"
+            )
         validate(self)
         for rule in self.keep:
             if rule not in CULLING_RULES:
@@ -161,6 +152,7 @@ class Settings:
             "normals": self.normals,
             "precision": self.precision,
             **({"rays": self.rays} if self.rays else {}),
+            **({"light": as_table(self.light)} if self.light else {}),
             **({"keep": list(self.keep)} if self.keep else {}),
         }
 

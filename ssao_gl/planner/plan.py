@@ -95,6 +95,8 @@ def _template(settings: Settings | None) -> Settings:
         raise SettingsError("the planner knows its errors for geometric normals: leave normals out")
     if given.rays:
         raise SettingsError("the planner knows its errors without rays: leave rays out")
+    if given.light and given.light.bounces:
+        raise SettingsError("the planner compares methods that know no bounced light: leave indirect=bitmask out, or use tint")
     return given
 
 

@@ -178,7 +178,7 @@ class Renderer:
         made = frame_setup(scene, camera, size, settings or Settings(), self.ctx.max_size)
         key = ("render", made.settings, made.outer, tuple(aovs), made.triangles, fine)
         frame = self._frames.get(key, lambda: made.plan(aovs, fine=fine), self._check_room)
-        return made, frame, SceneView(buffers, camera, self._rays.of(frame.plan, scene, camera, made))
+        return made, frame, SceneView(buffers, camera, self._rays.of(frame.plan, scene, camera, made), made.lit)
 
     def _uploaded_scene(self, scene: Scene) -> SceneBuffers:
         """Return the scene on the GPU."""

@@ -1,4 +1,4 @@
-"""Materials: base colour and alpha of a surface, and what later light will need of it (glTF 2.0, 3.9)."""
+"""Materials: base colour and alpha of a surface, and how it shines (glTF 2.0, 3.9)."""
 
 from __future__ import annotations
 
@@ -54,8 +54,9 @@ class Material:
     """How a surface looks: base colour = ``base_color`` x texture x vertex colours, multiplied as linear light.
 
     base_color: linear (r, g, b, alpha) in 0..1. alpha_mode: OPAQUE ignores alpha; MASK cuts out what is below
-    ``alpha_cutoff``; BLEND, which would mix with what is behind, cuts out what is below 1/2. metallic, roughness and emissive (linear r, g, b) are kept for light
-    that is yet to come, double_sided too: every surface is drawn from both sides today.
+    ``alpha_cutoff``; BLEND, which would mix with what is behind, cuts out what is below 1/2. metallic and
+    roughness are what ``Settings.light`` shines by. emissive (linear r, g, b) and double_sided are kept: every surface is drawn from
+    both sides, and none gives light.
     """
 
     base_color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
@@ -63,7 +64,7 @@ class Material:
     alpha_mode: AlphaMode = "OPAQUE"
     alpha_cutoff: float = 0.5
     emissive: Color = (0.0, 0.0, 0.0)
-    metallic: float = 1.0
+    metallic: float = 0.0
     roughness: float = 1.0
     double_sided: bool = False
     name: str = ""

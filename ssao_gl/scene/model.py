@@ -17,6 +17,7 @@ from ..errors import SceneError
 from .baked_visibility import BakedVisibility
 from .bounds import Drawable, box_corners, core_bounds, named_positions, placed_bounds, triangle_pieces
 from .camera import Camera
+from .lamps import Lamp
 from .material import ColorTexture, Material, alpha_range
 from .points import surfels
 from .pose import look_at
@@ -150,7 +151,7 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Meshes, spheres, volumes and cameras in one world. ``up`` is the direction that automatic cameras take for upwards.
+    """Meshes, spheres, volumes, lamps and cameras in one world. ``up`` is the direction that automatic cameras take for upwards.
 
     background: sRGB (r, g, b, alpha) in 0..1 behind everything, where the source names one. warnings: what was dropped,
     guessed or converted on the way here, a line each.
@@ -164,6 +165,7 @@ class Scene:
     warnings: tuple[str, ...] = ()
     spheres: Sequence[Spheres] = ()
     volumes: Sequence[Volume] = ()
+    lamps: Sequence[Lamp] = ()
 
     def __post_init__(self) -> None:
         if not any(thing.is_placed for thing in self.things):

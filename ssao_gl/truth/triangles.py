@@ -63,6 +63,11 @@ class TriangleBlockers:
         hit = np.flatnonzero(found["geomID"] >= 0)
         return Hits(hit, found["tfar"][hit], *self._interpolated({n: found[n][hit] for n in ("u", "v", "primID", "geomID")}))
 
+    def parts_hit(self, origins: F32, directions: F32, reach: F32) -> NDArray[np.int32]:
+        """Return the number of the part (n,) that each ray (n, 3) meets first within ``reach`` (n,); -1: none."""
+        found = self._solid_hits(origins, directions, reach) if self._cut.any() else self._hits(origins, directions, reach)
+        return np.asarray(found["geomID"], np.int32)
+
     def _interpolated(self, found: dict[str, NDArray[Any]]) -> tuple[F64, F64, F64]:
         """Points (n, 3), triangle normals and vertex normals, not normalised, of hits."""
         part = found["geomID"]

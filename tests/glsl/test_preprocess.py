@@ -23,6 +23,11 @@ def variants() -> list[tuple[str, dict[str, preprocess.Define], str]]:
             extras.append({"WINDOW_DEPTH": 1})
         if name == "composite.frag":
             extras.append({"DIRECT": 1})
+        if name in ("light.frag", "bounce.frag"):
+            lamps: dict[str, preprocess.Define] = {"LAMPS": 8, "SHADOWS": 1, "SKY": 1}
+            extras += [{"LAMPS": 0}, lamps]
+        if name == "light.frag":
+            extras += [{**lamps, "BENT_SKY": 1, "SPECULAR": 1, "BOUNCED": 1, "TONE": 1}, {"SPECULAR": 1, "TINT": 1, "LAMPS": 0}]
         for extra in extras:
             for dialect in preprocess.DIALECTS:
                 if dialect != "es100" or preprocess.speaks_es100(name, base | extra):
