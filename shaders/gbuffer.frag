@@ -1,5 +1,6 @@
 // A triangle's surface.
 #needs es300
+#define COPIES
 #include "lib/surface.glsl"
 #include "lib/srgb.glsl"
 

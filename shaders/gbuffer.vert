@@ -19,6 +19,9 @@ VARYING vec4 v_color;
 ATTRIBUTE vec2 a_uv;
 VARYING vec2 v_uv;
 #endif
+#ifdef LABELS_TARGET
+flat VARYING int v_copy;
+#endif
 #ifdef BAKED_VERTEX
 ATTRIBUTE float a_baked;
 VARYING float v_baked;
@@ -32,6 +35,9 @@ void main() {
     mat4 model_view = u_view * a_model;
     vec4 p = model_view * vec4(a_position, 1.0);
     v_position = p.xyz;
+#ifdef LABELS_TARGET
+    v_copy = gl_InstanceID;
+#endif
     gl_Position = u_projection * p;
 #ifdef SMOOTH
     // The cofactor matrix turns normals right under non-uniform scales, and mirrored ones up to a sign.

@@ -1,6 +1,7 @@
 // Where the ray through a pixel meets a sphere. The ray is taken about the sphere's centre, so that nothing cancels out
 // however far away it is.
 #needs es300
+#define COPIES
 #include "lib/surface.glsl"
 #include "lib/view.glsl"
 

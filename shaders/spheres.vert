@@ -18,6 +18,10 @@ flat VARYING vec4 v_color;
 
 ATTRIBUTE mat4 a_model_view;
 ATTRIBUTE int a_first;  // sphere of the block; behind the last one the texture has spheres of radius 0
+#ifdef LABELS_TARGET
+ATTRIBUTE int a_copy;
+flat VARYING int v_copy;
+#endif
 flat VARYING vec4 v_sphere;  // centre in view space, radius
 flat VARYING vec3 v_origin;  // where in the image the centre is seen, 0..1, and its depth; depth 0: it need not be seen at all
 
@@ -34,6 +38,9 @@ void main() {
     vec3 center = (a_model_view * vec4(data.xyz, 1.0)).xyz;
     float radius = data.w * length(a_model_view[0].xyz);
     v_sphere = vec4(center, radius);
+#ifdef LABELS_TARGET
+    v_copy = a_copy;
+#endif
 #ifdef COLOR
     v_color = u_color;
 #ifdef VERTEX_COLOR

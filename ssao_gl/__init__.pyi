@@ -18,6 +18,7 @@ from .pipeline.light import Light
 from .pipeline.settings import Settings, Shading
 from .planner import Choice, Target, plan
 from .render.effect import Effect
+from .render.history import History
 from .render.picture import Picture
 from .render.pyrender_frames import OffscreenRenderer
 from .render.renderer import Renderer
@@ -46,6 +47,7 @@ __all__ = [
     "Effect",
     "FormatError",
     "GraphError",
+    "History",
     "InputWarning",
     "Joint",
     "Kernel",

@@ -83,7 +83,7 @@ def render(
 
     scene: a path, a :class:`Scene`, a ``trimesh`` mesh or scene, or a ``pyrender.Scene``. camera: a :class:`Camera`, a camera
     file, or None for the scene's own or an automatic one. size: (width, height) in pixels. aovs: any of image,
-    visibility, depth, normal, bent, color; or one text with names by commas. shading: light and background, ``Shading(background="white")``;
+    visibility, depth, normal, bent, color, object, instance, material; or one text with names by commas. shading: light and background, ``Shading(background="white")``;
     with ``"transparent"`` the image is RGBA. light: lamps, shadows and light from all around, ``Light(shadows=True)``. rays: rays a pixel that correct what the screen cannot know, any share; needs the extra
     ``truth``. goals: ``budget_ms``, ``max_error``, by which method and options are chosen; see :func:`ssao_gl.plan`.
     """

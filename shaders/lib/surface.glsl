@@ -32,6 +32,13 @@ layout(location = BAKED_TARGET) out vec4 out_baked;
 #ifdef MATERIAL_TARGET
 layout(location = MATERIAL_TARGET) out vec4 out_material;
 #endif
+#ifdef LABELS_TARGET
+layout(location = LABELS_TARGET) out uvec4 out_label;
+uniform ivec3 u_label;  // numbers of the thing, of its first copy, and of its material
+#ifdef COPIES
+flat VARYING int v_copy;  // which of its copies
+#endif
+#endif
 
 #ifdef BEHIND
 // Where in the image the fragment lies, as uv: a texel of several pixels is drawn for the middle of one of them.
@@ -60,6 +67,12 @@ void ssao_write_depth(float z) {
 #endif
 #ifdef MATERIAL_TARGET
     out_material = vec4(1.0, 0.0, 0.0, 1.0);
+#endif
+#ifdef LABELS_TARGET
+    out_label = uvec4(u_label, 0);
+#ifdef COPIES
+    out_label.y += uint(v_copy);
+#endif
 #endif
 }
 

@@ -17,7 +17,7 @@ from ..io import images
 from ..io.atomic import is_folder
 from ..io.color_files import load_color
 from ..io.streams import output_suffix
-from ..pipeline.residual import check_no_rays
+from ..pipeline.residual import check_no_scene
 from ..planner import apply_planned
 from ..render.arrays import radius_of
 from ..render.picture import Picture
@@ -92,7 +92,7 @@ def apply(
         sRGB picture of the same size, or larger: results are then upsampled along its edges. Without it only visibility is made.
     """
     settings = look.settings()
-    check_no_rays(settings, "apply")
+    check_no_scene(settings, "apply")
     target = goal.target(look)  # is checked before anything is read
     if not 0 <= strength <= 1:
         raise SettingsError(f"--strength {strength:g}: must be 0 to 1")

@@ -97,9 +97,11 @@ def _stored(scene: Scene) -> str:
 def _drawn(made: FrameSetup) -> list[str]:
     """Return what is drawn around the image, and what beside the scene is not."""
     lines = []
-    (w, h), inside, covered = made.outer, made.region.image_rect, made.region.scene_rect
+    (w, h), inside, covered = made.view.size, made.region.image_rect, made.region.scene_rect
     if inside:
-        lines.append(f"guard: {inside[0]} pixels are drawn around the image, so that taps see what lies beside it")
+        lines.append(
+            f"guard: {inside[0] // made.region.pixel} pixels are drawn around the image, so that taps see what lies beside it"
+        )
     if covered:
         share = covered[2] * covered[3] / (w * h)
         lines.append(f"footprint: the scene's box is seen in {share:.0%} of what is drawn; beside it nothing is shaded")

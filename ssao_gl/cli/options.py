@@ -89,6 +89,16 @@ class LookOptions:
         _option("Halo around what is in front of something else: its strength, 0 to 1. [default: none]", rare=True),
     ] = None
     halo_color: Annotated[str | None, _option("Of --halo: #rrggbb, white or black. [default: black]", rare=True)] = None
+    exclude: Annotated[
+        tuple[str, ...],
+        Parameter(
+            name="--exclude",
+            group=RARE,
+            help="Name of a thing or material that receives no occlusion; NAME:casts: that casts none. May be repeated.",
+            negative="",
+            show_default=False,
+        ),
+    ] = ()
     config: Annotated[Path | None, _option("TOML file with settings. [default: none]")] = None
     dump_config: Annotated[
         Path | None,
@@ -110,6 +120,8 @@ class LookOptions:
             keep=["all"] if self.keep_all else self.keep,
             rays=None if self.rays is None else as_rays(self.rays),
         )
+        if self.exclude:
+            settings = dataclasses.replace(settings, exclude=self.exclude)
         if self.radius is None:
             return settings
         share = parse_share(self.radius)
@@ -281,7 +293,7 @@ JsonOption = Annotated[
     Parameter(
         name="--json",
         group=OUTPUT,
-        help="Write settings, plan, renderer and milliseconds per pass to this file; - prints them. [default: none]",
+        help="Write a report to this file; - prints it. [default: none]",
         allow_leading_hyphen=True,
     ),
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -15,9 +16,12 @@ from ..errors import FormatError, SettingsError
 from ..io import images
 from ..io.atomic import is_folder
 from ..io.streams import output_suffix
+from ..loaders.camera_files import load_cameras
 from ..pipeline.outputs import AOVS, aov_names
 from ..pipeline.settings import Settings
 from ..planner import Target
+from ..render.accumulate import accumulated
+from ..render.history import History
 from ..render.picture import Picture
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
@@ -48,7 +52,7 @@ class PictureOptions:
         Parameter(
             name=["--output", "-o"],
             allow_leading_hyphen=True,
-            help="PNG, NPY or EXR file, - for a PNG on standard output, or a folder for all AOVs as NPY and PNG.",
+            help="PNG, NPY or EXR file, - for PNG on standard output, or a folder for all AOVs as NPY and PNG.",
         ),
     ] = Path("ssao.png")
     background: Annotated[
@@ -60,22 +64,50 @@ class PictureOptions:
     aov: Annotated[
         str | None,
         Parameter(
-            help=f"What to write, by commas: {', '.join(AOVS)}. [default: image for PNG, visibility for arrays, both for folders]",
+            help=f"What to write, by commas: {', '.join(AOVS)}. [default: image, visibility, or both, by the output]",
         ),
     ] = None
     bits: Annotated[int, WHOLE, Parameter(group=RARE, help="Bits a pixel of grey PNG files: 8 or 16.")] = 8
+    supersample: Annotated[
+        int | None,
+        WHOLE,
+        Parameter(group=RARE, help="Samples a pixel along each side, for smooth edges: 1, 2 or 3. [default: 1]"),
+    ] = None
     turntable: Annotated[
         int,
         WHOLE,
         Parameter(
-            help="Frames of a turn about the scene: files in a folder, or one .gif, .webp or .apng.",
+            help="Frames of a turn: folder, .gif, .webp, .apng.",
         ),
     ] = 0
+    path: Annotated[
+        Path | None,
+        Parameter(
+            group=RARE, help="Camera file whose cameras, in turn, are the frames; written as --turntable's. [default: none]"
+        ),
+    ] = None
+    temporal: Annotated[
+        bool,
+        Parameter(
+            group=RARE,
+            negative="",
+            help="Average visibility over the frames of --turntable or --path: less flicker, the same error.",
+        ),
+    ] = False
+    accumulate: Annotated[
+        int | None,
+        WHOLE,
+        Parameter(
+            group=RARE, help="Frames whose mean the picture is, each with other noise and places in the pixels. [default: 1]"
+        ),
+    ] = None
     tile: TileOption = None
     json: JsonOption = None
 
-    def with_background(self, settings: Settings) -> Settings:
-        """Return settings with the background that was asked for. Raises SettingsError."""
+    def settings(self, settings: Settings) -> Settings:
+        """Return settings with the background and the samples that were asked for. Raises SettingsError."""
+        if self.supersample is not None:
+            settings = dataclasses.replace(settings, supersample=self.supersample)
         if self.background is None:
             return settings
         shading = dataclasses.replace(settings.shading, background=self.background)
@@ -88,13 +120,41 @@ class PictureOptions:
 
     def aovs(self) -> tuple[str, ...]:
         """Return what is written. Raises SettingsError, FormatError for what cannot be, before anything is drawn."""
-        aovs = _aovs(self.aov, self.output, self.turntable)
-        _check_output(self.output, self.turntable, self.bits)
+        if self.turntable < 0 or self.turntable > 100_000:
+            raise SettingsError(f"--turntable {self.turntable}: must be 1 to 100000 frames")
+        aovs = _aovs(self.aov, self.output, self.frames)
+        _check_output(self.output, self.frames, self.bits)
         check_json(self.json)
-        if self.turntable and (self.json is not None or self.tile is not None):
-            option = "--json reports on" if self.tile is None else "--tile is for"
-            raise SettingsError(f"{option} one picture; leave it out with --turntable")
+        if self.turntable and self.path is not None:
+            raise SettingsError("--turntable and --path exclude each other: each says where the cameras stand")
+        if self.temporal and not self.frames:
+            raise SettingsError("--temporal is for many frames; add --turntable or --path, or use --accumulate")
+        one = {"--json reports on": self.json, "--tile is for": self.tile, "--accumulate is for": self.accumulate}
+        if self.frames and (found := [option for option, value in one.items() if value is not None]):
+            raise SettingsError(f"{found[-1]} one picture; leave it out with {'--path' if self.path else '--turntable'}")
+        if self.accumulate is not None and self.tile is not None:
+            raise SettingsError("--accumulate draws a picture at once; leave --tile out")
         return aovs
+
+    def accumulated(
+        self, renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings, aovs: tuple[str, ...],
+        target: Target | None,
+    ) -> Picture | None:  # fmt: skip
+        """Return the mean of many frames where that was asked for. Raises SettingsError."""
+        if self.accumulate is None:
+            return None
+        if target is not None:
+            raise SettingsError("--accumulate takes as long as its frames; leave --budget-ms and --max-error out")
+
+        def drawn(seen: Camera, names: Sequence[str], history: History) -> Picture:
+            return renderer.render(scene, seen, size, settings, aovs=names, history=history)
+
+        return accumulated(drawn, camera, aovs, self.accumulate)
+
+    @property
+    def frames(self) -> bool:
+        """Whether there are many frames, and not one picture."""
+        return bool(self.turntable) or self.path is not None
 
 
 def render(
@@ -113,7 +173,7 @@ def render(
     scene
         GLB, glTF, OBJ, PLY, STL, OFF, PDB, mmCIF or another format. Without it: the embedded scene.
     """
-    settings, target = to.with_background(look.settings()), goal.target(look)
+    settings, target = to.settings(look.settings()), goal.target(look)
     size, aovs = view.pixels(), to.aovs()
     with input_warnings(strict=False) as told:
         loaded = view.load(scene)
@@ -122,7 +182,7 @@ def render(
     if blind := unseen(loaded, camera, size):
         logging.getLogger("ssao_gl").warning("%s", blind)
     with Renderer(gl) as renderer:
-        if to.turntable:
+        if to.frames:
             look.dump(_turn(renderer, loaded, camera, size, settings, target, aovs, to))
             return 0
         settled = settings.settled(camera.ao_radius or loaded.default_radius(), loaded.background)
@@ -134,8 +194,8 @@ def render(
             )
             report = draw_tiles(renderer, job)
         else:
-            timed = TIMED_FRAMES if to.json else 0
-            picture = planner.render_planned(
+            timed = TIMED_FRAMES if to.json and not to.accumulate else 0
+            picture = to.accumulated(renderer, loaded, camera, size, settings, aovs, target) or planner.render_planned(
                 renderer, loaded, camera, size, target, settings,
                 aovs=aovs, timed=timed, visibility_bits=to.visibility_bits,
             )  # fmt: skip
@@ -154,7 +214,7 @@ def embedded() -> int:
     return render()
 
 
-def _aovs(text: str | None, output: Path, turntable: int) -> tuple[str, ...]:
+def _aovs(text: str | None, output: Path, turntable: bool) -> tuple[str, ...]:
     if text is None:
         if turntable or output_suffix(output) == ".png":
             return ("image",)
@@ -165,11 +225,9 @@ def _aovs(text: str | None, output: Path, turntable: int) -> tuple[str, ...]:
     return aovs
 
 
-def _check_output(output: Path, turntable: int, bits: int) -> None:
+def _check_output(output: Path, turntable: bool, bits: int) -> None:
     if bits not in (8, 16):
         raise SettingsError(f"--bits {bits}: must be 8 or 16")
-    if turntable < 0 or turntable > 100_000:
-        raise SettingsError(f"--turntable {turntable}: must be 1 to 100000 frames")
     if turntable and output_suffix(output) in images.SUFFIXES:
         raise FormatError(f"-o {output}: a turntable goes to a folder or to a {', '.join(ANIMATIONS)} file")
     check_output("-o", output, (*images.SUFFIXES, *(ANIMATIONS if turntable else ())), folder=True)
@@ -187,12 +245,16 @@ def _turn(
     aovs: tuple[str, ...], to: PictureOptions,
 ) -> Settings:  # fmt: skip
     """Draw a turntable, and return the settings that it was drawn with."""
-    output, count = to.output, to.turntable
+    flight = None if to.path is None else tuple(load_cameras(to.path, size))
+    output, count = to.output, to.turntable if flight is None else len(flight)
     if target:
         choice = planner.plan(renderer, scene, camera, size, target, settings, aovs=aovs)
         settings = choice.settings
         say(expected(choice))
-    job = Turntable(scene=scene, camera=camera, size=size, settings=settings, aovs=aovs, count=count, output=output)
+    job = Turntable(
+        scene=scene, camera=camera, size=size, settings=settings, aovs=aovs, count=count, output=output, flight=flight,
+        averaged=to.temporal,
+    )  # fmt: skip
     try:
         before = draw_turntable(renderer, job, lambda indices: progress(indices, "turntable", len(list(indices))))
     except (KeyboardInterrupt, Terminated) as error:

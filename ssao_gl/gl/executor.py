@@ -76,6 +76,10 @@ class DrawnFrame:
     _framebuffers: Sequence[moderngl.Framebuffer]
     _region: DrawRegion
 
+    def read_all(self, name: str) -> NDArray[Any]:
+        """Return the same, with what is drawn around the part that was wanted."""
+        return _read(self.plan, self._framebuffers, name, WHOLE)
+
     def read(self, name: str) -> NDArray[Any]:
         """Return a resource as an array (h, w, channels), row 0 at the *bottom*: float32, or uint8 or uint32 for integer formats.
 
@@ -90,7 +94,7 @@ def _read(plan: Plan, framebuffers: Sequence[moderngl.Framebuffer], name: str, r
     step = plan.steps[index]
     components, dtype = FORMATS[step.task.writes[name].format]
     kind = {"f1": "f1", "u4": "u4"}.get(dtype, "f4")
-    rect = (region.image_rect if step.scale == 1 else None) or (0, 0, *step.size)
+    rect = region.wanted_of(step)
     # Four channels whatever the format: the only reading that OpenGL ES promises.
     attachment = step.writes.index(name)
     data = framebuffers[index].read(viewport=rect, components=4, attachment=attachment, dtype=kind)
@@ -108,6 +112,7 @@ class FrameExecutor:
         self._state = DrawState(resources.ctx)
         self._bound: dict[tuple[int, bool], _Bound] = {}
         self._timer: Timer | None = None
+        self._moment: Mapping[str, Any] = {}
 
     def run(
         self,
@@ -117,18 +122,20 @@ class FrameExecutor:
         scene: SceneView | None = None,
         region: DrawRegion = WHOLE,
         copies: Mapping[str, DrawTarget] | None = None,
+        moment: Mapping[str, Any] | None = None,
         timed: bool = False,
         checked: bool = False,
     ) -> DrawnFrame:
         """Draw every step.
 
         inputs: the caller's textures by name. region: which part is drawn. copies: outputs to draw into framebuffers of the
-        caller's as well. ``timed`` measures each pass; ``checked`` asks OpenGL for errors after each pass and raises
+        caller's as well. moment: uniforms of this frame alone, for the shaders that declare them. ``timed`` measures each pass; ``checked`` asks OpenGL for errors after each pass and raises
         ContextError naming it.
         """
         slots, framebuffers = self.targets.slots, self.targets.framebuffers
         textures = {name: slots[slot] for name, slot in self.plan.where.items()} | dict(inputs or {})
         timer = self._restarted() if timed else None
+        self._moment = moment or {}
         for index, step in enumerate(self.plan.steps):
             if timer:
                 timer.start(host=isinstance(step.task.draw, HostWork))
@@ -200,6 +207,7 @@ class FrameExecutor:
             self._set_uniforms(bound, draw, step, textures, view)
             bound.program.user = (bound, view)
         bound.program.set(lit)
+        bound.program.set({name: value for name, value in self._moment.items() if name in bound.program.declared})
         target.use()
         with self._state(step, region.of(step)):
             bound.triangle.render(moderngl.TRIANGLES)

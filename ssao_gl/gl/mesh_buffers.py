@@ -97,9 +97,11 @@ class MeshBuffers:
         """Draw every mesh."""
         unit, kind = seen.first_unit, seen.program_key("mesh")
         for number, on_gpu in enumerate(self._meshes):
+            if seen.leaves_out(on_gpu.mesh):
+                continue
             call = self._calls.get((number, kind)) or self._prepared(number, kind, seen)
             call.program.set(seen.uniforms)
-            call.program.set(call.look)
+            call.program.set({**call.look, **seen.label(on_gpu.mesh)})
             for place, (uniform, texture) in enumerate(call.textures.items(), unit):
                 texture.bind(place)
                 call.program.set({uniform: place})

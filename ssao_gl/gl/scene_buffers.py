@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..graph.draws import DrawPrisms, DrawScene
+from ..graph.names import LABELS
 from ..scene.camera import Camera
+from ..scene.labels import scene_labels
 from ..scene.model import Mesh, Scene
 from ..scene.projection import Matrix, ViewConstants
 from ..scene.spheres import Spheres
@@ -80,7 +82,8 @@ class SceneBuffers:
             "u_light": LIGHT,
             **uniforms,
         }
-        seen = SceneDraw(draw, tuple(writes), defines, shared, view, from_center, projection, drawn_depth)
+        labels = scene_labels(self.scene).of if LABELS in writes else {}
+        seen = SceneDraw(draw, tuple(writes), defines, shared, view, from_center, projection, drawn_depth, labels)
         for part in self._parts:
             part.draw(seen)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -11,18 +11,34 @@ from numpy.typing import NDArray
 
 from ..glsl.preprocess import Define
 from ..graph.draws import DrawScene
-from ..graph.names import BAKED, COLOR, DEPTH, DEPTH_LAYER_2, MATERIAL, NORMAL, SHADING_NORMAL, SHADOW_DEPTH
+from ..graph.names import (
+    BAKED,
+    CASTER_DEPTH,
+    COLOR,
+    DEPTH,
+    DEPTH_LAYER_2,
+    LABELS,
+    MATERIAL,
+    NORMAL,
+    RECEIVER_DEPTH,
+    SHADING_NORMAL,
+    SHADOW_DEPTH,
+)
+from ..scene.labels import Label, is_called
 from ..scene.projection import Matrix, ViewConstants
 
 TARGETS = {
     DEPTH: "DEPTH_TARGET",
     DEPTH_LAYER_2: "DEPTH_TARGET",
+    CASTER_DEPTH: "DEPTH_TARGET",
+    RECEIVER_DEPTH: "DEPTH_TARGET",
     NORMAL: "NORMAL_TARGET",
     SHADING_NORMAL: "SHADING_NORMAL_TARGET",
     COLOR: "COLOR",
     BAKED: "BAKED_TARGET",
     MATERIAL: "MATERIAL_TARGET",
     SHADOW_DEPTH: "DEPTH_TARGET",
+    LABELS: "LABELS_TARGET",
 }
 """Resource -> the define that makes the shader write it."""
 
@@ -36,7 +52,7 @@ class SceneDraw:
     writes: the targets, in order. defines, uniforms: of every shader. from_center: (4, 4) float64, from the world's axes about
     the middle of the scene to view space; projection: from there to the clip space of the fitted depth range.
     drawn_depth: reads the linear depth (h, w) that the target holds already, 0 where nothing is drawn, row 0 at the bottom; None
-    where depth is not drawn.
+    where depth is not drawn. labels: of things by their ``id()``, where they are drawn.
     """
 
     draw: DrawScene
@@ -47,6 +63,15 @@ class SceneDraw:
     from_center: Matrix
     projection: Matrix
     drawn_depth: Callable[[], NDArray[np.float32]] | None = None
+    labels: Mapping[int, Label] = field(default_factory=dict)
+
+    def leaves_out(self, thing: Any) -> bool:
+        """Return whether this draw is without a thing."""
+        return bool(self.draw.without) and is_called(thing, self.draw.without)
+
+    def label(self, thing: Any) -> dict[str, Label]:
+        """Return the uniform of a thing's numbers, where they are drawn."""
+        return {"u_label": self.labels[id(thing)]} if self.labels else {}
 
     @property
     def first_unit(self) -> int:

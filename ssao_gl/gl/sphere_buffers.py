@@ -36,7 +36,8 @@ class _Placed:
     """Spheres on the GPU.
 
     blocks: of them, in the order of the texture. places: (k, 4, 4) float64 from there to the scene's middle, for each copy.
-    balls: (k b, 4) around the blocks of each copy, one copy after another. instances: matrix and first sphere of what is drawn.
+    balls: (k b, 4) around the blocks of each copy, one copy after another. instances: matrix and first sphere of what is
+    drawn; copies: which copy that is of.
     """
 
     spheres: Spheres
@@ -46,6 +47,7 @@ class _Placed:
     places: NDArray[np.float64]
     balls: NDArray[np.float64]
     instances: moderngl.Buffer
+    copies: moderngl.Buffer
 
 
 class SphereBuffers:
@@ -80,7 +82,8 @@ class SphereBuffers:
         instances = self._owning(
             self._resources.ctx.mgl.buffer(reserve=INSTANCE.itemsize * len(places) * len(blocks.balls), dynamic=True)
         )
-        return _Placed(spheres, blocks, self._texture(data, "f4"), colors, places, balls.reshape(-1, 4), instances)
+        copies = self._owning(self._resources.ctx.mgl.buffer(reserve=4 * len(places) * len(blocks.balls), dynamic=True))
+        return _Placed(spheres, blocks, self._texture(data, "f4"), colors, places, balls.reshape(-1, 4), instances, copies)
 
     def _texture(self, rows: NDArray[Any], dtype: str) -> moderngl.Texture:
         """Return (n, 4) values as a texture of ``COLUMNS`` columns."""
@@ -98,6 +101,8 @@ class SphereBuffers:
     def draw(self, seen: SceneDraw) -> None:
         """Draw all of them whose block may be in the image: many by waves, of which each leaves out what those before it hide."""
         for number, placed in enumerate(self._placed):
+            if seen.leaves_out(placed.spheres):
+                continue
             at = placed.balls.copy()
             at[:, :3] = placed.balls[:, :3] @ seen.from_center[:3, :3].T + seen.from_center[:3, 3]
             shown = np.flatnonzero(in_view(at, seen.view, seen.projection))
@@ -119,6 +124,8 @@ class SphereBuffers:
         instances["model_view"] = (seen.from_center @ placed.places).transpose(0, 2, 1)[copies]
         instances["first"] = within * placed.blocks.size
         placed.instances.write(instances)
+        if seen.labels:
+            placed.copies.write(copies.astype("i4"))
         array = self._array(number, self._program(placed, seen, drawn))
         array.render(moderngl.TRIANGLES, vertices=CORNERS * placed.blocks.size, instances=len(blocks))
 
@@ -130,7 +137,7 @@ class SphereBuffers:
         program.set({name: value for name, value in shared.items() if name in program.declared})
         unit = seen.first_unit
         self._resources.bind(unit, placed.data)
-        program.set({"u_spheres": unit, "u_columns": COLUMNS})
+        program.set({"u_spheres": unit, "u_columns": COLUMNS, **seen.label(placed.spheres)})
         if drawn:
             program.set(drawn.bound(unit + 2))
         if "COLOR" in seen.target_defines:
@@ -143,7 +150,9 @@ class SphereBuffers:
     def _array(self, number: int, program: Program) -> moderngl.VertexArray:
         array = self._arrays.get((number, program))
         if array is None:
-            content = [(self._placed[number].instances, "16f 1i/i", "a_model_view", "a_first")]
+            placed = self._placed[number]
+            content: list[Any] = [(placed.instances, "16f 1i/i", "a_model_view", "a_first")]
+            content += [(placed.copies, "1i/i", "a_copy")] if "a_copy" in program.mgl else []
             array = self._arrays[number, program] = self._resources.ctx.mgl.vertex_array(program.mgl, content)
         return array
 

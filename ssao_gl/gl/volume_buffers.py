@@ -64,11 +64,14 @@ class VolumeBuffers:
         """Draw every volume."""
         vertex, fragment = seen.draw.shaders["volume"]
         for on_gpu in self._volumes:
+            if seen.leaves_out(on_gpu.volume):
+                continue
             program = self._resources.program(vertex, fragment, {**_defines(on_gpu.volume, seen), **seen.defines})
             values = {
                 **seen.uniforms,
                 **ray_constants(on_gpu.volume, seen, self._center),
                 **_look(on_gpu.volume),
+                **seen.label(on_gpu.volume),
                 "u_texel": seen.view.constants["u_texel"],
                 "u_test_depth": 0.0,
             }

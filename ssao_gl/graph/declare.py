@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from .draws import Draw
@@ -74,6 +74,13 @@ class Pass:
     """What it leaves where it does not draw, in targets that are not drawn over; passes that say so draw only where there is
     something, in the part of the image that is wanted."""
     blend: Literal["replace", "add"] = "replace"
+
+    def renamed(self, old: str, new: str) -> Pass:
+        """Return this pass with what it writes as ``old`` under the name ``new``."""
+        if old not in self.writes:
+            return self
+        writes = {new if name == old else name: target for name, target in self.writes.items()}
+        return replace(self, writes=writes, over={new if name == old else name: under for name, under in self.over.items()})
 
     @property
     def reads(self) -> tuple[str, ...]:

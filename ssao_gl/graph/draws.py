@@ -96,7 +96,8 @@ class Fullscreen:
 class DrawScene:
     """Everything in the frame's scene, nearest surface first. shaders: vertex and fragment shader, by kind of thing.
 
-    clears: written resource -> what it holds where nothing is drawn. view: whose eye it is drawn from.
+    clears: written resource -> what it holds where nothing is drawn. view: whose eye it is drawn from. without: names of things
+    that are left out.
     """
 
     shaders: Mapping[str, tuple[str, str]]
@@ -105,6 +106,7 @@ class DrawScene:
     uniforms: Mapping[str, Uniform] = field(default_factory=dict)
     defines: Mapping[str, Define] = field(default_factory=dict)
     view: str = "camera"
+    without: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

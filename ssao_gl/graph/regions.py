@@ -23,6 +23,8 @@ class DrawRegion:
 
     image_rect: Rect | None = None
     scene_rect: Rect | None = None
+    pixel: int = 1
+    """Side of a pixel of the picture, in those of the frame; above 1 with several samples a pixel."""
 
     @property
     def whole(self) -> bool:
@@ -44,3 +46,10 @@ class DrawRegion:
             x0, y0, x1, y1 = max(x0, x), max(y0, y), min(x1, x + w), min(y1, y + h)
         x0, y0, x1, y1 = x0 // scale, y0 // scale, -(-x1 // scale), -(-y1 // scale)
         return x0, y0, max(x1 - x0, 0), max(y1 - y0, 0)
+
+    def wanted_of(self, step: PlannedPass) -> Rect:
+        """Return the part of a target that is wanted, in its texels: all of it but at the size of the frame or of the picture."""
+        if self.image_rect is None or step.scale not in (1, self.pixel):
+            return 0, 0, *step.size
+        x, y, w, h = (value // step.scale for value in self.image_rect)
+        return x, y, w, h

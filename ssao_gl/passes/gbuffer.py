@@ -35,11 +35,11 @@ def gbuffer(background: Sequence[float], *, geometric: bool, material: bool = Fa
     return Pass("gbuffer", "gbuffer", draw, targets, depth=SCENE_MASK)
 
 
-def layer_behind(gap: float, scale: int) -> Pass:
+def layer_behind(gap: float, scale: int, *, front: str = DEPTH, without: Sequence[str] = ()) -> Pass:
     """Draw the linear depth of the next surface behind the first by ``gap`` scene units, 0 where there is none.
 
-    ``scale``: pixels of the image along each side of a texel of it.
+    ``scale``: pixels of the image along each side of a texel of it. ``front``: depth of the first, of all but things ``without``.
     """
     uniforms: dict[str, Uniform] = {"u_front_step": ViewValue("target_step"), "u_front_scale": float(scale), "u_gap": gap}
-    draw = DrawScene(SHADERS, {DEPTH_LAYER_2: NOTHING}, {"u_front": DEPTH}, uniforms, {"BEHIND": 1})
+    draw = DrawScene(SHADERS, {DEPTH_LAYER_2: NOTHING}, {"u_front": front}, uniforms, {"BEHIND": 1}, without=tuple(without))
     return Pass("layer behind", "layer", draw, {DEPTH_LAYER_2: Texture("r32f", 1 / scale)}, depth=LAYER_2_MASK)

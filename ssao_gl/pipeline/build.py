@@ -14,14 +14,19 @@ from ..graph.names import (
     BENT_NORMAL,
     COLOR,
     GIVEN_DEPTH,
+    GIVEN_HISTORY,
     GIVEN_NORMAL,
     GIVEN_VISIBILITY,
+    HISTORY,
     IMAGE,
     IMAGE_WITHOUT_HALO,
+    LABELS,
     REFINE_MASK,
     SCENE_MASK,
     SHADE_MASK,
     VISIBILITY,
+    VISIBILITY_NOW,
+    VISIBILITY_OF_ALL,
     VISIBILITY_RAW,
     VISIBILITY_SCREEN,
     VISIBILITY_UNSHADED,
@@ -34,51 +39,78 @@ from ..passes.composite import composite, toned
 from ..passes.culling import shade_mask
 from ..passes.denoise import Filter, FilterJob, FilterTraits
 from ..passes.depth_table import TABLE_SCALE, depth_table
-from ..passes.gbuffer import gbuffer, layer_behind
+from ..passes.gbuffer import gbuffer
 from ..passes.halo import paint_halo
+from ..passes.labels import draw_labels
 from ..passes.occlusion import occlude, refine_missed
 from ..passes.prepare import depth_over_far, encode_normals, linearize, pack_visibility, reconstruct_normals
 from ..passes.prisms import add_prisms
 from ..passes.resolution import downsample, upsample, upsample_by_depth
+from ..passes.resolve import resolve, resolved
+from ..passes.temporal import Moment, averaged, in_phase
 from ..scene.projection import Size, ViewConstants
 from .culling import CullingPlan, plan_culling
+from .exclusion import excluded, layers
 from .lighting import Signals, light_before_occlusion, lit_image, signals_of
 from .outputs import aov_resources
-from .residual import check_no_rays, corrected
+from .residual import check_no_scene, corrected
 from .settings import PRECISIONS, Settings, drawn_filter, drawn_scale
 
 WHITE = (1.0, 1.0, 1.0)
 """Base colour where there is no surface."""
 WINDOW_DEPTH, EYE_DEPTH = "window", "eye"
 
-FINAL = (VISIBILITY, VISIBILITY_SCREEN, VISIBILITY_UPSAMPLED, VISIBILITY_UNSHADED)
+FINAL = (
+    VISIBILITY,
+    VISIBILITY_SCREEN,
+    VISIBILITY_UPSAMPLED,
+    VISIBILITY_UNSHADED,
+    VISIBILITY_OF_ALL,
+    VISIBILITY_NOW,
+    resolved(VISIBILITY),
+)
 """Resources that hold the visibility of a frame at its end, one after the other in one texture."""
 
 
 def plan_render(
-    settings: Settings, size: Size, aovs: Sequence[str] = ("image",), *, triangles: int | None = None, fine: bool = False
+    settings: Settings,
+    size: Size,
+    aovs: Sequence[str] = ("image",),
+    *,
+    triangles: int | None = None,
+    fine: bool = False,
+    moment: Moment | None = None,
 ) -> Plan:
-    """Return the plan that draws a scene. ``triangles``: how many it has, if it surrounds the camera; None if not.
+    """Return the plan that draws a scene at ``size``, in pixels of the picture.
 
-    ``fine``: visibility ends in half floats, for arrays, and not in the 8 bits of pictures.
+    ``triangles``: how many it has, if it surrounds the camera; None if not.
+
+    ``fine``: visibility ends in half floats, for arrays, and not in the 8 bits of pictures. ``moment``: of a sequence whose frames are
+    averaged; None: a frame by itself.
 
     Raises SettingsError when the method's radius is not settled, or cannot give what is asked for.
     """
-    flat, light = settings.normals == "geometric", settings.light if "image" in aovs else None
+    flat, many, light = settings.normals == "geometric", settings.supersample, settings.light if "image" in aovs else None
+    size, wanted = (size[0] * many, size[1] * many), aov_resources(aovs)
     signals = signals_of(settings, light, bent="bent" in aovs)
     culling = plan_culling(settings, DepthTest(SCENE_MASK, far=True), size, triangles, flat_normals=flat, signals=bool(signals))
-    background, traits = settings.shading.background_rgba, settings.method.traits
+    background = settings.shading.background_rgba
+    screen = corrected(settings, excluded(settings, _visibility(settings, culling, signals)), culling.mask)
     passes = [
         gbuffer(WHITE, geometric=flat, material=light is not None and light.specular > 0),
+        *([draw_labels()] if LABELS in wanted else []),
         *light_before_occlusion(settings, light),
-        layer_behind(traits.layer_gap * (settings.method.radius or 0.0), traits.layer_scale),
+        *layers(settings),
         *_depth_table(settings, size),
         *add_prisms(settings.method, drawn_scale(settings)),
-        *corrected(settings, _visibility(settings, culling, signals), culling.mask),
+        *_over_frames(settings, screen, moment),
         *_image(settings, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
+        *(resolve(wanted, many) if many > 1 else []),
     ]
     passes = _toned(settings, passes)
-    return compile(_at(settings.precision, passes, fine), size, aov_resources(aovs), notes=_notes(settings, culling))
+    outputs = wanted if many == 1 else [resolved(name) for name in wanted]
+    kept, given = ([HISTORY], [GIVEN_HISTORY]) if moment is not None else ([], [])
+    return compile(_at(settings.precision, passes, fine), size, [*outputs, *kept], given, notes=_notes(settings, culling))
 
 
 def plan_filter(blur: Filter, size: Size) -> Plan:
@@ -96,13 +128,15 @@ def plan_apply(
     outputs: Sequence[str] = (VISIBILITY,),
     fine: bool = False,
     live: bool = False,
+    moment: Moment | None = None,
 ) -> Plan:
-    """Return the plan over a caller's depth (and normals, and colour). ``outputs``: resources. ``fine``: see :func:`plan_render`.
+    """Return the plan over a caller's depth (and normals, and colour). ``outputs``: resources. ``fine``, ``moment``: see
+    :func:`plan_render`.
 
     ``live``: with tint and power in the image's shader in any case, so that they can change later. A method that looks at two layers looks at one. Raises SettingsError for methods that need a scene, and for an unknown
     kind of depth.
     """
-    check_no_rays(settings, "apply")
+    check_no_scene(settings, "apply")
     if settings.light:
         raise SettingsError("light: needs a scene to light, and arrays are lit already; use render, or light=None")
     single = settings.method.traits.single_layer
@@ -125,12 +159,13 @@ def plan_apply(
         linearize(window=depth == WINDOW_DEPTH, mask=culling.mask is not None),
         encode_normals() if normals else reconstruct_normals(),
         *_depth_table(settings, size),
-        *_visibility(settings, culling, signals),
+        *_over_frames(settings, _visibility(settings, culling, signals), moment),
         *_image(settings, (0.0, 0.0, 0.0, 1.0), direct=False),
     ]
     passes = _toned(settings, passes, live=live)
     inputs = [GIVEN_DEPTH, *([GIVEN_NORMAL] if normals else []), *([COLOR] if IMAGE in outputs else [])]
-    return compile(_at(settings.precision, passes, fine), size, list(outputs), inputs, notes)
+    kept, given = ([HISTORY], [GIVEN_HISTORY]) if moment is not None else ([], [])
+    return compile(_at(settings.precision, passes, fine), size, [*outputs, *kept], [*inputs, *given], notes)
 
 
 def check_camera(settings: Settings, view: ViewConstants) -> None:
@@ -150,6 +185,13 @@ def _visibility(settings: Settings, culling: CullingPlan, signals: Signals) -> l
     if drawn_filter(settings) is None and "depth_table" in settings.method.traits.inputs:
         return _by_depth_alone(settings.method, culling, scale)
     return _at_smaller_size(settings, culling, scale, signals)
+
+
+def _over_frames(settings: Settings, screen: Sequence[Pass], moment: Moment | None) -> list[Pass]:
+    """Return the passes of visibility, in a sequence with noise of its phase and averaged over its frames."""
+    if moment is None:
+        return list(screen)
+    return averaged([in_phase(task, settings.method.traits.noise_tile, moment.phase) for task in screen], moved=moment.moved)
 
 
 def _depth_table(settings: Settings, size: Size) -> list[Pass]:

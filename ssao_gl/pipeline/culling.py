@@ -9,6 +9,7 @@ from ..graph.names import BLOCK_PROBE
 from ..passes.culling import BLOCK, TAPS, TRIANGLE, bound_blocks, open_blocks, open_blocks_by_probe
 from ..passes.occlusion import probe_blocks
 from ..scene.projection import Size
+from .exclusion import no_casters
 from .settings import Settings, drawn_scale
 
 
@@ -61,6 +62,8 @@ def _why_no_open_blocks(settings: Settings, size: Size, triangles: int | None, *
     taps = traits.taps / drawn_scale(settings) ** 2
     if not traits.exactly_open:
         return f"{settings.method.name} may darken what nothing stands above"
+    if no_casters(settings):
+        return "what casts no occlusion may hide what does"
     if "open" in settings.keep:
         return "switched off"
     if not flat_normals:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from ..errors import SettingsError, near_miss
-from ..graph.names import BENT_NORMAL, COLOR, DEPTH, IMAGE, SHADING_NORMAL, VISIBILITY
+from ..graph.names import BENT_NORMAL, COLOR, DEPTH, IMAGE, LABELS, SHADING_NORMAL, VISIBILITY
+
+MASKS: Mapping[str, int] = {"object": 0, "instance": 1, "material": 2}
+"""AOVs of whole numbers -> their place in :data:`ssao_gl.graph.names.LABELS`."""
 
 RESOURCES: Mapping[str, str] = {
     "image": IMAGE,
@@ -14,8 +17,9 @@ RESOURCES: Mapping[str, str] = {
     "normal": SHADING_NORMAL,
     "bent": BENT_NORMAL,
     "color": COLOR,
+    **dict.fromkeys(MASKS, LABELS),
 }
-"""AOV -> resource of the graph: shaded image, visibility, linear depth, view-space normals, mean open directions, base colour."""
+"""AOV -> resource of the graph: shaded image, visibility, linear depth, view-space normals, mean open directions, base colour, and masks."""
 
 AOVS = tuple(RESOURCES)
 """What a picture can hold."""

@@ -21,7 +21,7 @@ DEFAULT_METHOD = "bitmask"
 COUNTS = ("slices", "directions", "pairs", "steps")
 """Settings that stand for the number of taps, where a method has no ``samples``."""
 
-NAMES = ("method", "preset", "blur", "normals", "precision", "rays", "keep")
+NAMES = ("method", "preset", "blur", "normals", "precision", "rays", "supersample", "exclude", "keep")
 """Settings of their own, in no group."""
 
 
@@ -58,12 +58,13 @@ def settings_from(
     overrides: Mapping[str, Any] | None = None,
     keep: Iterable[str] = (),
     rays: float | None = None,
+    supersample: int | None = None,
 ) -> Settings:
     """Return settings in rising order of precedence: defaults, the preset, ``table`` (from TOML), names, ``group.key=value``
     texts, overrides.
 
     Groups are ``shading``, ``light``, ``filter_named`` (the chosen filter) and the name of the chosen method; a key without a group is the
-    method's, but for ``normals``, ``precision`` and ``rays``. ``overrides`` are fields of the method. Raises SettingsError naming what is
+    method's, but for ``normals``, ``precision``, ``rays`` and ``supersample``. ``overrides`` are fields of the method. Raises SettingsError naming what is
     unknown.
     """
     table = dict(table or {})
@@ -76,6 +77,8 @@ def settings_from(
             "normals": _text(table, "normals", "geometric"),
             "precision": _text(table, "precision", "high"),
             "rays": table.get("rays", 0.0) if rays is None else rays,
+            "supersample": table.get("supersample", 1) if supersample is None else supersample,
+            "exclude": tuple(_names(table, "exclude")),
             "keep": _rules([*_names(table, "keep"), *keep]),
         }
     )
@@ -127,8 +130,8 @@ class _Chosen:
         if not equals:
             raise SettingsError(f"--set {text}: must be key=value or group.key=value")
         key, value = key.strip(), value.strip()
-        if key in ("normals", "precision", "rays"):
-            self.parts[key] = as_rays(value) if key == "rays" else value
+        if key in ("normals", "precision", "rays", "supersample"):
+            self.parts[key] = {"rays": as_rays, "supersample": as_samples}.get(key, str)(value)
             return
         group, dot, field = key.partition(".")
         if dot and group in registry() and group != self.method:
@@ -151,6 +154,14 @@ def as_rays(text: str) -> float:
         return float(above) / (float(below) if slash else 1.0)
     except (ValueError, ZeroDivisionError):
         raise SettingsError(f"rays={text}: must be a number of rays a pixel, like 0.25, 1/4 or 2") from None
+
+
+def as_samples(text: str) -> int:
+    """Return samples a pixel along each side. Raises SettingsError."""
+    try:
+        return int(text)
+    except ValueError:
+        raise SettingsError(f"supersample={text}: must be a whole number, 1 to 3") from None
 
 
 def _ways_to_count(record: Any) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 from ..errors import SettingsError
 from ..graph.declare import DepthTest, Pass
@@ -46,11 +45,12 @@ def corrected(settings: Settings, screen: Sequence[Pass], mask: DepthTest | None
         raise SettingsError(
             f"rays: {method.name} has a radius in {method.traits.radius_unit}, and rays need one in scene units; use bitmask"
         )
+    share = float(settings.rays) / settings.supersample**2  # of the frame's pixels
     falloff = as_table(method).get("falloff")
     falloff = falloff if falloff in tuple(Falloff) else Falloff.HARD
     return [
-        *map(_of_the_screen, screen),
-        *residual_rays(float(settings.rays), float(method.radius), str(falloff), _spread(settings.rays), mask),
+        *(task.renamed(VISIBILITY, VISIBILITY_SCREEN) for task in screen),
+        *residual_rays(share, float(method.radius), str(falloff), _spread(share), mask),
     ]
 
 
@@ -59,21 +59,20 @@ def residual_reach(settings: Settings) -> int:
     return _spread(settings.rays).radius + 2 * BLOCK_SIDE if settings.rays else 0
 
 
-def check_no_rays(settings: Settings, who: str) -> None:
-    """Raise SettingsError where rays are asked for and there is no scene to trace."""
+def check_no_scene(settings: Settings, who: str) -> None:
+    """Raise SettingsError where something is asked for that needs a scene: rays, more samples a pixel, names of things."""
     if settings.rays:
         raise SettingsError(
             f"rays={settings.rays:g}: {who} has a depth buffer and no scene to trace; use render, or leave it out"
         )
+    if settings.supersample > 1:
+        raise SettingsError(
+            f"supersample={settings.supersample}: {who} has one sample a pixel; use render, or give larger images"
+        )
+    if settings.exclude:
+        raise SettingsError(f"exclude: {who} knows no names of things; use render, or leave it out")
 
 
 def _spread(share: float) -> Spread:
     """Return how residuals of so many rays a pixel are spread."""
     return next(spread for most, spread in SPREADS if share <= most)
-
-
-def _of_the_screen(task: Pass) -> Pass:
-    """Return a pass with visibility under the name of what the screen knows."""
-    names = {VISIBILITY: VISIBILITY_SCREEN}
-    writes = {names.get(name, name): target for name, target in task.writes.items()}
-    return replace(task, writes=writes, over={names.get(name, name): under for name, under in task.over.items()})

@@ -10,6 +10,7 @@ from typing import Any, cast
 
 from ..errors import SettingsError, near_miss, one_line
 from ..glsl.preprocess import Define
+from ..graph.names import PIXEL_DEPTH
 from ..methods.base import Method
 from ..methods.bitmask import Bitmask
 from ..methods.registry import method
@@ -112,6 +113,11 @@ class Settings:
     )
     light: Light | None = None
     """Lamps, shadows and light from all around; None: an ambient part and a light over the viewer's shoulder, by ``shading``."""
+    supersample: int = setting(
+        1, "samples a pixel along each side, for smooth edges; occlusion is drawn for fewer where its method can", low=1, high=3
+    )
+    exclude: tuple[str, ...] = ()
+    """Names of things or materials (``*`` stands for any letters) that receive no occlusion; with ``:casts``: that cast none."""
     keep: tuple[str, ...] = ()
     """Rules of leaving out that are switched off, of :data:`CULLING_RULES`."""
 
@@ -125,6 +131,10 @@ class Settings:
                 f"light={one_line(repr(self.light), 60)}: must be a Light, like Light(azimuth=-40, elevation=50)"
             )
         validate(self)
+        names: Any = self.exclude
+        if isinstance(names, str) or not all(isinstance(name, str) and name for name in names):
+            raise SettingsError(f"exclude={names!r}: must be names, like ('glass', 'lamp*:casts')")
+        object.__setattr__(self, "exclude", tuple(names))
         for rule in self.keep:
             if rule not in CULLING_RULES:
                 raise SettingsError(
@@ -153,6 +163,8 @@ class Settings:
             "precision": self.precision,
             **({"rays": self.rays} if self.rays else {}),
             **({"light": as_table(self.light)} if self.light else {}),
+            **({"supersample": self.supersample} if self.supersample > 1 else {}),
+            **({"exclude": list(self.exclude)} if self.exclude else {}),
             **({"keep": list(self.keep)} if self.keep else {}),
         }
 
@@ -183,11 +195,16 @@ def _record(name: str, value: Any, like: str) -> Any:
 
 
 def drawn_scale(settings: Settings) -> int:
-    """Return how many pixels of the image along each side one stands for that occlusion is drawn for.
+    """Return how many pixels of the frame along each side one stands for that occlusion is drawn for.
 
-    1 under filters that work at full size alone.
+    1 under filters that work at full size alone. A method that can be drawn at a smaller size takes no more than one of the samples of
+    a pixel: edges are the G-buffer's, and occlusion finds them as it is brought to its size.
     """
-    return settings.method.traits.scale if settings.blur is None or settings.blur.traits.scales else 1
+    if settings.blur is not None and not settings.blur.traits.scales:
+        return 1
+    scale = settings.method.traits.scale
+    shrinks = PIXEL_DEPTH in settings.method.samplers.values()
+    return max(scale, settings.supersample) if shrinks else scale
 
 
 def drawn_filter(settings: Settings) -> Filter | None:

@@ -97,6 +97,10 @@ def _template(settings: Settings | None) -> Settings:
         raise SettingsError("the planner knows its errors without rays: leave rays out")
     if given.light and given.light.bounces:
         raise SettingsError("the planner compares methods that know no bounced light: leave indirect=bitmask out, or use tint")
+    if given.supersample > 1:
+        raise SettingsError("the planner knows its times for one sample a pixel: leave supersample out")
+    if given.exclude:
+        raise SettingsError("the planner knows its errors where all things occlude: leave exclude out")
     return given
 
 

@@ -13,25 +13,27 @@ import moderngl
 
 from ..errors import ContextError, FormatError, SettingsError
 from ..gl.context import Context
-from ..gl.executor import FrameExecutor
+from ..gl.executor import DrawTarget, FrameExecutor
 from ..gl.external import GuestFramebuffer, texture_size
 from ..gl.frame_cache import FrameCache
 from ..gl.guest_state import GuestState
 from ..gl.programs import GpuResources
 from ..gl.providers import wrap_moderngl
 from ..gl.timer import PassTime
-from ..graph.names import COLOR, GIVEN_DEPTH, GIVEN_NORMAL, IMAGE, VISIBILITY
+from ..graph.names import COLOR, GIVEN_DEPTH, GIVEN_HISTORY, GIVEN_NORMAL, HISTORY, IMAGE, VISIBILITY
 from ..graph.plan import Plan
+from ..passes.temporal import Moment
 from ..pipeline.build import WINDOW_DEPTH, check_camera, plan_apply
-from ..pipeline.residual import check_no_rays
+from ..pipeline.residual import check_no_scene
 from ..pipeline.settings import Settings
 from ..scene.camera import Camera
 from ..scene.projection import Size, pixel_size
+from .history import TextureHistory
 
 MOST_LAYOUTS = 4
 """Kinds of call (with and without colour, normals, ...) whose textures stay."""
 
-_Key = tuple[Settings, Size, str, bool, str]
+_Key = tuple[Settings, Size, str, bool, str, Moment | None]
 
 SHOWN = {GIVEN_DEPTH: "depth", COLOR: "color", GIVEN_NORMAL: "normal"}
 """Resource -> what the argument is called."""
@@ -59,6 +61,7 @@ class Effect:
         self._ctx = ctx if isinstance(ctx, Context) else wrap_moderngl(ctx)
         self._guest = GuestState(self._ctx)
         self._named: dict[int, moderngl.Texture] = {}
+        self._kept: TextureHistory | None = None
         self._debug = os.environ.get("SSAO_GL_DEBUG") == "1"
         self.times: Sequence[PassTime] = ()
         """Milliseconds of each pass of the last call that was ``timed``."""
@@ -78,12 +81,14 @@ class Effect:
             kept = {self._plan(settings, *key[2:]).layout for key in self._frames.keys}
             with self._used():
                 self._frames.retain(kept)
+            self.cut()
         self._settings = settings
 
     def resize(self, width: int, height: int) -> None:
         """Your textures have another size from now on: frees everything made for the old one. Raises SettingsError."""
         size = _checked_size(width, height)
         if self._frames is not None:
+            self.cut()
             with self._used():
                 self._frames.clear()
         self.size = size
@@ -98,14 +103,17 @@ class Effect:
         depth_kind: str = WINDOW_DEPTH,
         target: moderngl.Framebuffer | SupportsIndex | None = None,
         timed: bool = False,
+        history: bool = False,
+        moved: bool = False,
     ) -> moderngl.Texture:
         """Draw the occlusion. Textures are moderngl's objects or GL names.
 
         depth: ``"window"`` (0..1 as a depth buffer holds it, whatever the projection: reversed and infinite too) or ``"eye"``
-        (distance along the view axis; 0, inf and nan are background). camera: its projection; the pose is not used.
+        (distance along the view axis; 0, inf and nan are background). camera: its projection; the pose is used with history alone.
         color: sRGB values (rgba8, not srgb8_alpha8) to be dimmed; without it the result is visibility itself. normal:
         view-space normals, xyz in -1..1; without them they are rebuilt from depth. target: a framebuffer of yours to draw
-        the result into as well, at its lower left corner (0: the window).
+        the result into as well, at its lower left corner (0: the window). history: average visibility over the calls that ask for it,
+        along what is seen, by depth and pose; :meth:`cut` begins anew. moved: things moved in the world since the last of them.
 
         Returns the result's texture, owned by the effect and valid until the next call: visibility (r8) or picture (rgba8).
         Raises FormatError for textures of another size or kind, and for a target that shows ``color`` itself.
@@ -117,15 +125,33 @@ class Effect:
         with ExitStack() as stack:
             stack.enter_context(self._used())
             inputs = {name: self._texture(SHOWN[name], image) for name, image in given.items() if image is not None}
-            copies = {}
+            copies: dict[str, DrawTarget] = {}
             if target is not None:
                 read = () if color is None else (inputs[COLOR].glo,)
                 copies[output] = stack.enter_context(GuestFramebuffer(self._ctx, self._framebuffer(target), self.size, read))
-            frame = self._frame(depth_kind, normal is not None, output)
-            drawn = frame.run(view, inputs, copies=copies, timed=timed, checked=self._debug)
+            past = self._past() if history else None
+            moment = None if past is None else past.begin(moved=moved)
+            frame = self._frame(depth_kind, normal is not None, output, moment)
+            if past is not None:
+                inputs, copies = {**inputs, GIVEN_HISTORY: past.texture}, {**copies, HISTORY: past.target}
+            then = None if past is None else past.uniforms(camera)
+            drawn = frame.run(view, inputs, copies=copies, moment=then, timed=timed, checked=self._debug)
+            if past is not None:
+                past.end(view, camera)
             if timed:
                 self.times = drawn.times
         return drawn.outputs[output]
+
+    def cut(self) -> None:
+        """Begin a new sequence: the next call with history knows nothing of those before. Frees what is kept of them."""
+        if self._kept is not None:
+            with self._used():
+                self._kept.release()
+        self._kept = None
+
+    def _past(self) -> TextureHistory:
+        self._kept = self._kept or TextureHistory(self._resources, self.size)
+        return self._kept
 
     def describe(self, depth_kind: str = WINDOW_DEPTH, *, normal: bool = False, color: bool = True) -> str:
         """Return the plan as text: passes, formats, slots, MiB, what was left out and why."""
@@ -138,15 +164,15 @@ class Effect:
         with self._ctx.callers(), self._guest:
             yield
 
-    def _frame(self, depth_kind: str, normals: bool, output: str) -> FrameExecutor:
+    def _frame(self, depth_kind: str, normals: bool, output: str, moment: Moment | None) -> FrameExecutor:
         if self._frames is None:
             raise ContextError("Effect: was released")
 
-        key: _Key = (self.settings, self.size, depth_kind, normals, output)
-        return self._frames.get(key, lambda: self._plan(self.settings, depth_kind, normals, output))
+        key: _Key = (self.settings, self.size, depth_kind, normals, output, moment)
+        return self._frames.get(key, lambda: self._plan(self.settings, depth_kind, normals, output, moment))
 
-    def _plan(self, settings: Settings, depth_kind: str, normals: bool, output: str) -> Plan:
-        return plan_apply(settings, self.size, depth=depth_kind, normals=normals, outputs=(output,))
+    def _plan(self, settings: Settings, depth_kind: str, normals: bool, output: str, moment: Moment | None = None) -> Plan:
+        return plan_apply(settings, self.size, depth=depth_kind, normals=normals, outputs=(output,), moment=moment)
 
     def _texture(self, name: str, image: Image) -> moderngl.Texture:
         if isinstance(image, moderngl.Texture):
@@ -180,6 +206,7 @@ class Effect:
     def release(self) -> None:
         """Free every GL object that the effect made. Calling it twice does no harm."""
         if self._frames is not None and not self._ctx.released and not self._ctx.ownership.inherited:
+            self.cut()
             with self._used():
                 self._frames.clear()
                 self._resources.release()
@@ -193,7 +220,7 @@ class Effect:
 
 
 def _with_radius(settings: Settings) -> Settings:
-    check_no_rays(settings, "Effect")
+    check_no_scene(settings, "Effect")
     if settings.method.radius is None:
         raise SettingsError(f"Effect: give {settings.method.name} a radius, in the units of your depth")
     return settings

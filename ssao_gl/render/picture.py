@@ -15,6 +15,7 @@ from ..errors import FormatError, near_miss, one_line
 from ..io import images
 from ..io.atomic import atomic_write, is_folder, locked_folder, make_folder
 from ..io.streams import output_suffix
+from ..pipeline.outputs import MASKS
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,7 +25,8 @@ class Picture:
     image: (h, w, 3) uint8 sRGB, or (h, w, 4) when the background is transparent, or the caller's colour had alpha. visibility: (h, w) float32, 1 = open,
     background exactly 1, of half floats or of 8 bits. depth: (h, w) float32, distance along the view axis in scene units, 0 = background. normal:
     (h, w, 3) float32, unit, view space, (0, 0, 0) on background. bent: (h, w, 3) float32, the same of the mean of the open
-    directions by their cosines. color: (h, w, 3) uint8 sRGB base colour.
+    directions by their cosines. color: (h, w, 3) uint8 sRGB base colour. object, instance, material: (h, w) uint32, the number of
+    what is seen, from 1, 0 on background; ``report["labels"]`` has the names.
     """
 
     arrays: Mapping[str, NDArray[Any]]
@@ -77,7 +79,8 @@ class Picture:
     def as_png(self, name: str, bits: int = 8) -> NDArray[Any]:
         """Return an AOV as PNG shows it.
 
-        Visibility as grey, depth from near (bright) to far (dark) with background black, normals as 0.5 + 0.5 n.
+        Visibility as grey, depth from near (bright) to far (dark) with background black, normals as 0.5 + 0.5 n, masks as their
+        numbers in 16 bits.
         """
         array = self.arrays[name]
         return to_png_array(name, array, bits, depth_span(array) if name == "depth" else None)
@@ -116,7 +119,16 @@ def to_png_array(name: str, array: NDArray[Any], bits: int = 8, span: tuple[floa
         return images.to_bytes(np.where(array > 0, shade, 0), bits)
     if name in ("normal", "bent"):
         return images.to_bytes(np.where(np.any(array, axis=-1, keepdims=True), 0.5 + 0.5 * array, 0))
+    if name in MASKS:
+        return mask_png(name, array)
     return array
+
+
+def mask_png(name: str, array: NDArray[Any]) -> NDArray[np.uint16]:
+    """Return a mask as 16-bit grey, each number as it is. Raises FormatError for numbers beyond."""
+    if array.size and int(array.max()) > np.iinfo(np.uint16).max:
+        raise FormatError(f"{name}: numbers up to {int(array.max())} do not fit into a PNG of 16 bits; write .npy")
+    return array.astype(np.uint16)
 
 
 def save_animation(path: Path, frames: Sequence[Picture], *, seconds: float = 4.0) -> None:

@@ -13,7 +13,8 @@ from ..gl.timer import PassTime
 from ..graph.names import DEPTH, NORMAL
 from ..graph.regions import DrawRegion
 from ..io.images import flipped
-from ..pipeline.outputs import RESOURCES
+from ..passes.resolve import resolved
+from ..pipeline.outputs import MASKS, RESOURCES
 from ..scene.projection import ViewConstants
 
 
@@ -22,17 +23,25 @@ def read_aov(frame: DrawnFrame, name: str, *, alpha: bool = False) -> NDArray[An
     resource = RESOURCES[name]
     if name == "normal" and resource not in frame.plan.where:  # arrays come with one kind of normals
         resource = NORMAL
-    array = flipped(frame.read(resource))
+    array = _read(frame, resource)
     if name == "visibility":
         held = array[..., 0]
         return held.astype(np.float32) / 255 if held.dtype == np.uint8 else np.clip(held, 0, 1)
     if name == "depth":
         return array[..., 0]
+    if name in MASKS:
+        return np.ascontiguousarray(array[..., MASKS[name]])
     if name in ("normal", "bent"):
         f = np.minimum((array**2).sum(-1, keepdims=True), 4)
         normal = np.concatenate([array * np.sqrt(1 - f / 4), 1 - f / 2], -1)
-        return np.where(flipped(frame.read(DEPTH)) > 0, normal, 0).astype(np.float32)
+        return np.where(_read(frame, DEPTH) > 0, normal, 0).astype(np.float32)
     return array if alpha else np.ascontiguousarray(array[..., :3])
+
+
+def _read(frame: DrawnFrame, resource: str) -> NDArray[Any]:
+    """Return a resource with row 0 on top; of several samples a pixel, what they were resolved to."""
+    one = resolved(resource)
+    return flipped(frame.read(one if one in frame.plan.where else resource))
 
 
 def time_passes(

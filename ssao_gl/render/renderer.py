@@ -5,12 +5,10 @@ from __future__ import annotations
 import functools
 import time
 import weakref
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Concatenate, NoReturn, ParamSpec, TypeVar
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,9 +20,12 @@ from ..gl.frame_cache import FrameCache
 from ..gl.programs import GpuResources
 from ..gl.scene_buffers import SceneBuffers
 from ..gl.timer import PassTime
-from ..graph.names import BENT_NORMAL, COLOR, DEPTH, GIVEN_DEPTH, GIVEN_NORMAL, GIVEN_VISIBILITY, IMAGE, NORMAL, VISIBILITY
+from ..graph import names
+from ..graph.names import COLOR, GIVEN_DEPTH, GIVEN_HISTORY, GIVEN_NORMAL, HISTORY, IMAGE, VISIBILITY
 from ..graph.plan import Plan
+from ..io.images import flipped
 from ..passes.denoise import Filter
+from ..passes.temporal import Moment
 from ..pipeline.build import check_camera, plan_apply, plan_filter
 from ..pipeline.frame_setup import FrameSetup, frame_setup
 from ..pipeline.outputs import aov_names
@@ -35,11 +36,13 @@ from ..scene.model import Scene
 from ..scene.projection import Size, pixel_size
 from .arrays import check_arrays, check_kinds, is_fine, radius_of, settled_depth
 from .deprecated import drawn_to_budget
-from .frame_report import frame_report
+from .frame_report import frame_report, scene_report
+from .history import History
 from .memory import check_room
 from .picture import Picture
 from .ray_hosts import RayHosts
 from .readback import read_aov, time_passes
+from .uploads import uploaded
 from .upsampled import needs_upsampling, upsampled
 
 Arguments = ParamSpec("Arguments")
@@ -100,27 +103,32 @@ class Renderer:
         visibility_bits: int = 16,
         timed: int = 0,
         checked: bool = False,
+        history: History | None = None,
         **budget: float | None,
     ) -> Picture:
         """Draw ``scene``; without ``camera`` the scene's own first one, else an automatic view.
 
         ``aovs``: any of image, visibility, depth, normal, bent, color; or one text with names by commas. ``visibility_bits``: 16
         (half floats) or 8 (as pictures have). ``timed`` draws that many frames more and reports the median
-        milliseconds of each pass. ``budget``: ``budget_ms`` and ``max_error`` of 0.1, deprecated; plan with :func:`ssao_gl.plan` or :func:`ssao_gl.render`.
+        milliseconds of each pass. ``history``: a sequence that this is the next frame of. ``budget``: ``budget_ms`` and ``max_error`` of 0.1, deprecated; plan with :func:`ssao_gl.plan` or :func:`ssao_gl.render`.
         """
         if draw := drawn_to_budget("render_planned", budget):
             return draw(self, scene, camera, size, settings=settings, aovs=aovs, timed=timed, checked=checked)
         size, aovs = pixel_size(size), aov_names(aovs)
-        made, frame, seen = self._ready(scene, camera, size, settings, aovs, fine=is_fine(visibility_bits, aovs))
+        fine, moment = is_fine(visibility_bits, aovs), None if history is None else history.moment
+        made, frame, seen = self._ready(scene, camera, size, settings, aovs, fine=fine, moment=moment)
         started = time.perf_counter()
-        drawn = frame.run(made.view, scene=seen, region=made.region, checked=checked)
-        seen_through = made.settings.shading.background_rgba[3] < 1
-        arrays = {name: read_aov(drawn, name, alpha=name == "image" and seen_through) for name in aovs}
-        self._check("drawing")
-        report = frame_report(self.ctx, made.settings, size, frame, time.perf_counter() - started)
-        report |= time_passes(frame, timed, made.view, scene=seen, region=made.region)
-        about = {"camera": seen.camera.name or "unnamed", "scene": scene.name}
-        return Picture(arrays, {**report, **about, "triangles": scene.triangles, "contents": scene.contents})
+        with uploaded(self._resources, {} if history is None else {GIVEN_HISTORY: history.given(made.view.size)}) as inputs:
+            then = None if history is None else history.uniforms(seen.camera)
+            drawn = frame.run(made.view, inputs, scene=seen, region=made.region, moment=then, checked=checked)
+            seen_through = made.settings.shading.background_rgba[3] < 1
+            arrays = {name: read_aov(drawn, name, alpha=name == "image" and seen_through) for name in aovs}
+            self._check("drawing")
+            if history is not None:
+                history.keep(flipped(drawn.read_all(HISTORY)), made.view, seen.camera)
+            report = frame_report(self.ctx, made.settings, size, frame, time.perf_counter() - started)
+            report |= time_passes(frame, timed, made.view, inputs, scene=seen, region=made.region)
+        return Picture(arrays, {**report, **scene_report(scene, seen.camera, aovs)})
 
     @_current
     def time(
@@ -169,6 +177,7 @@ class Renderer:
         aovs: str | Sequence[str],
         *,
         fine: bool = False,
+        moment: Moment | None = None,
     ) -> tuple[FrameSetup, FrameExecutor, SceneView]:
         """Put everything on the GPU for a frame: the scene, the plan's textures."""
         size, aovs = pixel_size(size), aov_names(aovs)
@@ -176,8 +185,8 @@ class Renderer:
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
         buffers = self._uploaded_scene(scene)
         made = frame_setup(scene, camera, size, settings or Settings(), self.ctx.max_size)
-        key = ("render", made.settings, made.outer, tuple(aovs), made.triangles, fine)
-        frame = self._frames.get(key, lambda: made.plan(aovs, fine=fine), self._check_room)
+        key = ("render", made.settings, made.outer, tuple(aovs), made.triangles, fine, moment)
+        frame = self._frames.get(key, lambda: made.plan(aovs, fine=fine, moment=moment), self._check_room)
         return made, frame, SceneView(buffers, camera, self._rays.of(frame.plan, scene, camera, made), made.lit)
 
     def _uploaded_scene(self, scene: Scene) -> SceneBuffers:
@@ -231,8 +240,8 @@ class Renderer:
         if settings.method.radius is None:
             settings = settings.with_radius(camera.ao_radius or radius_of(depth, camera, depth_kind))
         outputs = (
-            *(VISIBILITY, DEPTH, NORMAL),
-            *((BENT_NORMAL,) if "bent" in aovs else ()),
+            *(VISIBILITY, names.DEPTH, names.NORMAL),
+            *((names.BENT_NORMAL,) if "bent" in aovs else ()),
             *((IMAGE,) if color is not None else ()),
         )
         view, fine = camera.view(size), is_fine(visibility_bits, aovs)
@@ -243,11 +252,11 @@ class Renderer:
             self._check_room,
         )
         arrays_given = {GIVEN_DEPTH: depth, GIVEN_NORMAL: normals, COLOR: color}
-        with self._uploaded({name: array for name, array in arrays_given.items() if array is not None}) as inputs:
+        with uploaded(self._resources, {name: array for name, array in arrays_given.items() if array is not None}) as inputs:
             started = time.perf_counter()
             drawn = frame.run(view, inputs, checked=checked)
-            names = (*aovs, *(("image",) if color is not None else ()))
-            arrays = {name: read_aov(drawn, name, alpha=color is not None and color.shape[2] == 4) for name in names}
+            shown = (*aovs, *(("image",) if color is not None else ()))
+            arrays = {name: read_aov(drawn, name, alpha=color is not None and color.shape[2] == 4) for name in shown}
             self._check("drawing")
             report = frame_report(self.ctx, settings, size, frame, time.perf_counter() - started)
             report |= time_passes(frame, timed, view, inputs)
@@ -267,21 +276,9 @@ class Renderer:
         size = pixel_size(size)
         seen = SceneView(self._uploaded_scene(scene), camera)
         frame = self._frames.get(("filter", blur, size), lambda: plan_filter(blur, size), self._check_room)
-        with self._uploaded({GIVEN_VISIBILITY: check_arrays(visibility, None, None)[0]}) as inputs:
+        with uploaded(self._resources, {names.GIVEN_VISIBILITY: check_arrays(visibility, None, None)[0]}) as inputs:
             drawn = frame.run(camera.view(size), inputs, scene=seen, timed=True)
             return read_aov(drawn, "visibility"), drawn.times
-
-    @contextmanager
-    def _uploaded(self, arrays: Mapping[str, NDArray[Any]]) -> Iterator[dict[str, moderngl.Texture]]:
-        """Yield the caller's arrays as textures, for as long as the block lasts."""
-        inputs: dict[str, moderngl.Texture] = {}
-        try:
-            for name, array in arrays.items():
-                inputs[name] = self._resources.upload(array)
-            yield inputs
-        finally:
-            for texture in inputs.values():
-                texture.release()
 
     def _check(self, what: str) -> None:
         """Raise ContextError when OpenGL ran out of memory, or was lost. Errors of a caller's own context may be the caller's."""

@@ -136,6 +136,20 @@ class CropLens:
         return m
 
 
+@dataclass(frozen=True, slots=True)
+class ShiftedLens:
+    """What another lens shows, moved by ``shift`` pixels to the right and upwards."""
+
+    lens: Lens
+    shift: tuple[float, float]
+
+    def matrix(self, size: Size) -> Matrix:
+        m = self.lens.matrix(size).copy()
+        for axis in (0, 1):
+            m[axis] += 2 * self.shift[axis] / size[axis] * m[3]
+        return m
+
+
 def _check_range(znear: float, zfar: float | None) -> None:
     if not (znear > 0 and math.isfinite(znear)):
         raise SettingsError(f"camera: znear={znear:g} must be above 0")

@@ -16,6 +16,7 @@ from ..io import images
 from ..io.atomic import followed, is_folder
 from ..io.streams import is_stream, output_suffix, send
 from ..pipeline.build import plan_render
+from ..pipeline.outputs import MASKS
 from ..pipeline.settings import Settings
 from ..render.picture import depth_span, metadata_text, to_png_array
 from ..render.renderer import Renderer
@@ -82,7 +83,7 @@ class Job:
     def check(self) -> None:
         """Raise FormatError for an EXR file that does not fit into memory."""
         if self.single and self.suffix == ".exr":
-            need = 4 * self.size[0] * self.size[1] * (1 if self.aovs[0] in ("visibility", "depth") else 3)
+            need = 4 * self.size[0] * self.size[1] * (1 if self.aovs[0] in ("visibility", "depth", *MASKS) else 3)
             if need > EXR_BYTES:
                 raise FormatError(
                     f"-o {self.output}: EXR files are made in memory, and this one would take {need / 2**30:.1f} GiB (at most"

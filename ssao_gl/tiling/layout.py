@@ -161,6 +161,7 @@ def layout(
     stays whole unless it is larger than ``limit``, the driver's largest texture side, or than ``WHOLE_BYTES``.
     Raises SettingsError for tiles below 64 pixels or too large for the driver.
     """
+    limit //= settings.supersample
     if tile is not None and tile < SMALLEST:
         raise SettingsError(f"--tile {tile}: must be at least {SMALLEST} pixels")
     if tile is None and max(size) <= limit and plan_render(settings, size, aovs).bytes <= WHOLE_BYTES:

@@ -12,8 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import FormatError
 from ..io.atomic import atomic_write, followed, locked_folder
 from ..pipeline.settings import Settings
+from ..render.history import History
 from ..render.picture import Picture, save_frames
 from ..render.renderer import Renderer
 from ..scene.camera import Camera
@@ -26,6 +28,8 @@ from .layout import PixelRect
 ANIMATIONS = (".gif", ".webp", ".apng")
 STATE = ".turntable.json"
 """Beside the frames in a folder until all are there: how many are, and of which turn."""
+
+HISTORY = ".history_"
 
 Indices = Callable[[range], Iterable[int]]
 """What shows progress: gives the numbers of the frames on."""
@@ -45,6 +49,10 @@ class Turntable:
     aovs: tuple[str, ...]
     count: int
     output: Path
+    flight: tuple[Camera, ...] | None = None
+    """Cameras of the frames; None: a turn."""
+    averaged: bool = False
+    """Whether visibility is averaged over frames."""
 
     @property
     def animated(self) -> bool:
@@ -59,8 +67,14 @@ class Turntable:
 
     def identity(self, renderer: Renderer) -> str:
         """Return the hash of everything that decides the pixels."""
-        facts = ["turntable", self.aovs, self.count]
+        facts: list[Any] = ["turntable", self.aovs, self.count, self.averaged]
+        for camera in self.flight or ():
+            facts += [camera.pose.tolist(), camera.lens.matrix(self.size).tolist()]
         return picture_identity(renderer, self.scene, self.camera, self.size, self.settings, facts)
+
+    def before(self, index: int) -> Path:
+        """Return what is there only while frames are missing, too: what the frames before one left for it."""
+        return (self.kept if self.animated else self.output) / f"{HISTORY}{index}.npz"
 
     def frame(self, index: int) -> Path:
         """Return where a frame goes in the folder."""
@@ -72,11 +86,22 @@ def draw_turntable(renderer: Renderer, job: Turntable, track: Indices = iter) ->
 
     The same job goes on where it was interrupted, be it by ``kill -9``. Raises FormatError when a file cannot be written.
     """
-    cameras = list(orbit(job.camera, job.scene, job.count))
+    cameras = list(job.flight or orbit(job.camera, job.scene, job.count))
+    past = {0: History()}
 
     def drawn(index: int) -> Picture:
         bits = 8 if job.animated or len(job.aovs) == 1 else 16  # of pictures alone, or of arrays too
-        return renderer.render(job.scene, cameras[index], job.size, job.settings, aovs=job.aovs, visibility_bits=bits)
+        history = (past.get(index) or _went_on(job, index)) if job.averaged else None
+        made = renderer.render(
+            job.scene, cameras[index], job.size, job.settings, aovs=job.aovs, visibility_bits=bits, history=history
+        )
+        if history is not None:
+            past.clear()
+            past[index + 1] = history
+            if index + 1 < job.count:
+                history.save(job.before(index + 1))
+            job.before(index - 1).unlink(missing_ok=True)  # a kill before this frame is written wants that of it
+        return made
 
     return (_animate if job.animated else _fill)(job, job.identity(renderer), drawn, track)
 
@@ -95,6 +120,15 @@ def _animate(job: Turntable, identity: str, drawn: Callable[[int], Picture], tra
     return before
 
 
+def _went_on(job: Turntable, index: int) -> History:
+    """Return what a turn that was cut before frame ``index`` left. Raises FormatError."""
+    if not job.before(index).exists():
+        raise FormatError(
+            f"{job.before(index)}: is missing, so the frames cannot go on; remove {job.kept}, and they begin anew"
+        )
+    return History.load(job.before(index))
+
+
 def _fill(job: Turntable, identity: str, drawn: Callable[[int], Picture], track: Indices) -> int:
     """Draw the frames to their places, with a note beside them of which are of this turn."""
     with new_folder(job.output), locked_folder(job.output):
@@ -106,6 +140,8 @@ def _fill(job: Turntable, identity: str, drawn: Callable[[int], Picture], track:
             with atomic_write(job.kept) as temporary:
                 temporary.write_text(json.dumps({"identity": identity, "done": index + 1}), "utf-8")
         job.kept.unlink(missing_ok=True)
+        for left in job.output.glob(f"{HISTORY}*.npz"):
+            left.unlink(missing_ok=True)
     return before
 
 
