@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -19,21 +18,15 @@ from ..graph.regions import DrawRegion, Rect
 from ..scene.camera import Camera
 from ..scene.lamps import LitView
 from ..scene.projection import ViewConstants
+from .clearing import DrawTarget, clear_targets
 from .draw_state import DrawState
-from .frame_targets import GL_COLOR, FrameTargets
+from .frame_targets import FrameTargets
 from .programs import FORMATS, GpuResources, Program
 from .scene_buffers import SceneBuffers
 from .timer import PassTime, Timer
 from .view_values import onto_target, target_constants, view_value
 
-GL_DEPTH = 0x1801
 WHOLE = DrawRegion()
-
-
-class DrawTarget(Protocol):
-    """What a pass draws into: a framebuffer of the frame, or one of the caller's."""
-
-    def use(self) -> None: ...
 
 
 HostFunction = Callable[[HostWork, ViewConstants, Rect, Sequence[NDArray[Any]]], NDArray[np.float32]]
@@ -168,21 +161,21 @@ class FrameExecutor:
         match step.task.draw:
             case Fullscreen() as draw:
                 if step.task.clear and (step.task.test or not region.whole):
-                    self._clear(step, target, dict.fromkeys(step.writes, step.task.clear))
+                    clear_targets(self._resources.ctx, step, target, dict.fromkeys(step.writes, step.task.clear))
                 lit = {name: scene.lit.values[name] for name in draw.lit} if scene else {}
                 self._fullscreen(index, draw, step, target, textures, view, region, lit)
             case DrawScene() as draw:
                 if scene is None:
                     raise ContextError(f"pass '{step.task.name}' draws a scene, and this frame has none")
-                self._clear(step, target, draw.clears)
+                clear_targets(self._resources.ctx, step, target, draw.clears)
                 self._scene(draw, step, textures, view, scene)
             case DrawPrisms() as draw:
-                self._clear(step, target, dict.fromkeys(step.writes, (0.0,) * 4))
+                clear_targets(self._resources.ctx, step, target, dict.fromkeys(step.writes, (0.0,) * 4))
                 self._prisms(draw, step, textures, view, scene, region)
             case HostWork() as draw:
                 if scene is None or draw.work not in scene.hosts:
                     raise ContextError(f"pass '{step.task.name}' is the host's work, and nobody does it in this frame")
-                self._clear(step, target, dict.fromkeys(step.writes, step.task.clear or (0.0,) * 4))
+                clear_targets(self._resources.ctx, step, target, dict.fromkeys(step.writes, step.task.clear or (0.0,) * 4))
                 self._host(draw, step, textures, view, scene.hosts[draw.work], region)
 
     def _fullscreen(
@@ -296,23 +289,6 @@ class FrameExecutor:
         read = [_read(self.plan, self.targets.framebuffers, name, region) for name in draw.samplers.values()]
         found = np.ascontiguousarray(work(draw, view, rect, read), np.float32)
         textures[step.writes[0]].write(found.tobytes(), viewport=rect)
-
-    def _clear(self, step: PlannedPass, target: DrawTarget, values: Mapping[str, Sequence[float]]) -> None:
-        """Fill targets with what is left where nothing is drawn; those that are drawn over stay."""
-        # Values are passed as they are: the address of one that nobody holds may be another thread's memory by the time of the call.
-        target.use()
-        gl, size = self._resources.ctx.functions, ctypes.c_int
-        clear = gl("glClearBufferfv", None, ctypes.c_uint, size, ctypes.c_void_p)
-        for index, name in enumerate(step.writes):
-            if name in step.task.over:
-                continue
-            if step.task.writes[name].format.endswith("ui"):
-                integers = (ctypes.c_uint * 4)(*map(int, values[name]))
-                gl("glClearBufferuiv", None, ctypes.c_uint, size, ctypes.c_void_p)(GL_COLOR, index, integers)
-            else:
-                clear(GL_COLOR, index, (ctypes.c_float * 4)(*values[name]))
-        if step.task.depth:
-            clear(GL_DEPTH, 0, ctypes.byref(ctypes.c_float(1.0)))
 
     def _copy(self, texture: moderngl.Texture, view: ViewConstants, target: DrawTarget) -> None:
         """Draw an output into a framebuffer of the caller's."""
