@@ -1,5 +1,5 @@
 from . import gl
-from .api import apply, export, normals_from_depth, occlusion, render, sheet
+from .api import apply, export, normals_from_depth, occlusion, render, sheet, widget
 from .bake import Baked, Baking, OcclusionTexture, Vertices, bake
 from .batch import batch
 from .errors import ContextError, FormatError, GraphError, InputWarning, SceneError, SettingsError, ShaderError, SsaoError
@@ -84,6 +84,7 @@ __all__ = [
     "compare",
     "from_pyvista",
     "export",
+    "widget",
     "gl",
     "load_scene",
     "look_at",

@@ -182,6 +182,25 @@ def export(
     return write_export(Path(output), settings, PipelineInputs(depth_kind, normals, color), target)
 
 
+def widget(
+    scene: Any,
+    size: Size = (1280, 720),
+    *,
+    method: Method | str | None = None,
+    blur: Filter | str | None = "joint",
+    height: int = 480,
+) -> Any:
+    """Show a scene in a notebook: turn it, choose method and preset, wipe between before and after. Needs the extra notebook.
+
+    scene: as for :func:`render`, of meshes or spheres. size: whose shape the view keeps. height: of the widget, CSS pixels. Its
+    ``radius``, ``look``, ``show`` and ``strength`` may be assigned and observed, ``use(settings)`` shows any settings, and
+    ``camera`` is the one that it shows now. Raises SettingsError, SceneError.
+    """
+    from .viewer.widget import scene_widget  # what pictures do without
+
+    return scene_widget(as_scene(scene), pixel_size(size), settings_of(method, blur), height)
+
+
 def occlusion(
     depth: ArrayLike | DepthImage | Path,
     camera: Any,

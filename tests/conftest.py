@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -34,6 +35,17 @@ def openable() -> tuple[str, ...]:
             if provider.name in EXPECTED:
                 pytest.exit(f"provider {provider.name} is expected here but does not open: {reason}", 1)
     return tuple(names)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A headless Chromium, driven by playwright."""
+    from .browser import CHROMIUM, WHY_NONE, launched
+
+    if CHROMIUM is None:
+        pytest.skip(WHY_NONE)
+    with launched() as browser:
+        yield browser
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

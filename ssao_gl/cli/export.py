@@ -23,7 +23,7 @@ def export(
         str,
         Parameter(
             group=OUTPUT,
-            help="webgl2 (an ES module and its runtime), gles3 (shaders, a C header and a program) or json (and its schema).",
+            help="webgl2 (an ES module and its runtime), three (with a pass of three.js), gles3 (shaders, a C header and a program) or json (and its schema).",
         ),
     ] = "webgl2",
     output: Annotated[

@@ -59,6 +59,10 @@ COMMANDS: Mapping[str, tuple[str, str]] = {
         "ssao_gl.cli.export:export",
         "Write the pipeline of apply for WebGL2, for native GLES 3, or as JSON.\n\nOne export serves every canvas size and projection.",
     ),
+    "view": (
+        "ssao_gl.cli.view:view",
+        "Write one HTML file that shows a scene in the browser.\n\nOrbit, methods, presets, before and after, buffers, and rays beside it; it needs no network.",
+    ),
     "shader": ("ssao_gl.cli.shader:shader", "Print a shader, complete for one GLSL dialect."),
     "doctor": ("ssao_gl.cli.doctor:doctor", "Say which OpenGL there is, and the cure where there is none."),
 }

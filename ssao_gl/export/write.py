@@ -40,6 +40,13 @@ def webgl2_files(made: Pipeline) -> Files:
     }
 
 
+def three_files(made: Pipeline) -> Files:
+    """Return the same with a pass of three.js's EffectComposer."""
+    three = RUNTIME.with_name("ssao-gl-three.js")
+    more = {file.name: file.read_text("utf-8") for file in (three, three.with_suffix(".d.ts"))}
+    return {**webgl2_files(made), **more}
+
+
 def slim(made: Pipeline) -> Pipeline:
     """Return a pipeline without what is there for people."""
     live = {name: {k: v for k, v in one.items() if k not in ("doc", "unit", "field")} for name, one in made["live"].items()}
@@ -54,7 +61,12 @@ def small_module(text: str) -> str:
     return "// ssao_gl, MIT licence\n" + re.sub(r"([;{,(\[])\n", r"\1", code) + "\n"
 
 
-TARGETS: Mapping[str, Callable[[Pipeline], Files]] = {"webgl2": webgl2_files, "gles3": native_files, "json": json_files}
+TARGETS: Mapping[str, Callable[[Pipeline], Files]] = {
+    "webgl2": webgl2_files,
+    "three": three_files,
+    "gles3": native_files,
+    "json": json_files,
+}
 """Name of a target -> the files that it gets."""
 
 

@@ -6,12 +6,13 @@ import multiprocessing
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from ssao_gl.export.write import RUNTIME
 
-from .browser import CHROMIUM, WHY_NONE, browser_page, draw_with_swiftshader, swiftshader
+from ..browser import draw_with_swiftshader, served_page, swiftshader
 
 SERVED = {"ssao-gl.js": RUNTIME.read_text("utf-8"), "page.js": Path(__file__).with_name("page.js").read_text("utf-8")}
 
@@ -23,16 +24,15 @@ def served() -> dict[str, str]:
 
 
 @pytest.fixture(scope="session")
-def page(served: dict[str, str]) -> Iterator[object]:
+def page(served: dict[str, str], browser: Any) -> Iterator[object]:
     """A page with ``SsaoGl`` and the helpers of page.js on its window, and ``gl``, a WebGL2 context."""
-    if CHROMIUM is None:
-        pytest.skip(WHY_NONE)
-    with browser_page(served) as page:
-        page.evaluate("""async () => {
-            Object.assign(window, await import("/ssao-gl.js"), await import("/page.js"));
-            window.gl = context();
-        }""")
-        yield page
+    page = served_page(browser, served)
+    page.evaluate("""async () => {
+        Object.assign(window, await import("/ssao-gl.js"), await import("/page.js"));
+        window.gl = context();
+    }""")
+    yield page
+    page.close()
 
 
 @pytest.fixture(scope="session")

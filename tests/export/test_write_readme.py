@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
+from ..browser import ORIGIN
 from ..command_line import run
-from .browser import ORIGIN
 from .cases import Case
 from .test_native import COMPILER, HEADERS, read_netpbm, write_pfm
 from .test_write_webgl2 import decoded

@@ -112,6 +112,12 @@ function guest(gl, units) {
     keep("COLOR_WRITEMASK", (v) => gl.colorMask(...v));
     keep("DEPTH_WRITEMASK", (v) => gl.depthMask(v));
     keep("DEPTH_FUNC", (v) => gl.depthFunc(v));
+    const clip = gl.getExtension("EXT_clip_control"); // passes that test depth stand half way in -1..1
+    if (clip) {
+        const is = [0x935c, 0x935d].map((name) => gl.getParameter(name)); // CLIP_ORIGIN_EXT, CLIP_DEPTH_MODE_EXT
+        undo.push(() => clip.clipControlEXT(...is));
+        clip.clipControlEXT(0x8ca1, 0x935e); // LOWER_LEFT_EXT, NEGATIVE_ONE_TO_ONE_EXT
+    }
     gl.bindBuffer(gl.PIXEL_UNPACK_BUFFER, null);
     gl.colorMask(true, true, true, true);
     gl.depthRange(0, 1);
@@ -132,7 +138,7 @@ export class SsaoGl {
 
     constructor(gl, pipeline) {
         if (!gl?.createSampler) fail("expected a WebGL2 context: canvas.getContext('webgl2')");
-        if (pipeline?.format !== FORMAT) fail(`expected a pipeline of the format '${FORMAT}', got '${pipeline?.format}'`);
+        if (pipeline?.format !== FORMAT) fail(`expected '${FORMAT}', got '${pipeline?.format}'`);
         this.#gl = gl;
         this.#pipeline = pipeline;
         this.#units = Math.max(...pipeline.steps.map((step) => values({ ...step.samplers, ...step.tables }).length));

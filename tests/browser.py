@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from playwright.sync_api import Page, Route, sync_playwright
+from playwright.sync_api import Browser, Page, Route, sync_playwright
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 WHY_NONE = "no Chromium is installed: apt-get install chromium"
@@ -36,15 +36,20 @@ def draw_with_swiftshader(driver: str) -> None:
 
 
 @contextmanager
-def browser_page(files: dict[str, str]) -> Iterator[Page]:
-    """Give an empty page of an origin that holds ``files`` (name -> text), and nothing of the network."""
+def launched() -> Iterator[Browser]:
+    """Give a headless browser."""
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=list(FLAGS))
-        page = browser.new_page()
-        page.route("**/*", lambda route: _serve(route, files))
-        page.goto(ORIGIN)
-        yield page
+        yield browser
         browser.close()
+
+
+def served_page(browser: Browser, files: Mapping[str, str]) -> Page:
+    """Return an empty page of an origin that holds ``files`` (name -> text), and nothing of the network."""
+    page = browser.new_page()
+    page.route("**/*", lambda route: _serve(route, files))
+    page.goto(ORIGIN)
+    return page
 
 
 def _serve(route: Route, files: Mapping[str, str]) -> None:
