@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from ..experiment.culling_savings import COLUMNS, RuleBenchmark
+from ..graph.names import FIELD
 from ..graph.plan import Plan
+from ..occupancy.field import BYTES
+from ..occupancy.grid import grid_over
 from ..pipeline.explain import PlanMemory, RuleStatus, resource_table
 from ..pipeline.frame_setup import FrameSetup
 from ..scene.camera import Camera
@@ -69,6 +73,8 @@ class Explained:
         if scene.spheres:
             say(_stored(scene))
         say(f"{method.name}: " + ", ".join(f"{f.name} {getattr(method, f.name)}" for f in dataclasses.fields(method)))  # type: ignore[arg-type]
+        if FIELD in self.plan.inputs:
+            say(_field(scene, method))
         if self.cut:
             w, h = self.cut.size
             say(f"{w}x{h} in {self.cut.describe()}; the plan of the largest:")
@@ -117,3 +123,11 @@ def _memory(memory: PlanMemory) -> str:
     if memory.effect is not None:
         parts.append(f"an Effect takes {memory.effect / MIB:.1f} beyond the caller's depth, colour and picture")
     return "; ".join(parts)
+
+
+def _field(scene: Scene, method: Any) -> str:
+    """Say what is made of a scene for a method that looks into its voxels."""
+    grid = grid_over(scene.bounds, method.side)
+    size = " x ".join(map(str, grid.shape))
+    taken = math.prod(grid.shape) * BYTES / MIB
+    return f"made once: a field of {size} voxels of {grid.side:.4g}, {taken:.1f} MiB on the GPU; it serves every view"

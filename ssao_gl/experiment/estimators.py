@@ -108,7 +108,10 @@ class ScreenSpace:
         """Return it with its radius settled; a frame is drawn, so that it refuses here what it refuses."""
         settings = setup.settled(self.settings, self.radius_factor)
         setup.time(settings)
-        return Drawn(setup, settings)
+        if "prepared" not in settings.method.traits.inputs:
+            return Drawn(setup, settings)
+        drawn = setup.renderer.render(setup.scene, setup.camera, setup.size, settings, aovs=("visibility",))
+        return Drawn(setup, settings, Preparation(**drawn.report["prepared"]))
 
 
 @dataclass(frozen=True, slots=True)

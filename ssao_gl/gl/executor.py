@@ -20,6 +20,7 @@ from ..scene.lamps import LitView
 from ..scene.projection import ViewConstants
 from .clearing import DrawTarget, clear_targets
 from .draw_state import DrawState
+from .field_textures import FieldTextures
 from .frame_targets import FrameTargets
 from .programs import FORMATS, GpuResources, Program
 from .scene_buffers import SceneBuffers
@@ -39,13 +40,14 @@ class SceneView:
     """What a plan with a G-buffer draws: a scene on the GPU, and the camera that looks at it.
 
     hosts: who does what the host computes of it, by the name of the work. lit: what follows from where the camera and the
-    lights stand.
+    lights stand. field: its occupancy, where a pass reads it.
     """
 
     buffers: SceneBuffers
     camera: Camera
     hosts: Mapping[str, HostFunction] = field(default_factory=dict)
     lit: LitView = field(default_factory=LitView)
+    field: FieldTextures | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,6 +129,7 @@ class FrameExecutor:
         """
         slots, framebuffers = self.targets.slots, self.targets.framebuffers
         textures = {name: slots[slot] for name, slot in self.plan.where.items()} | dict(inputs or {})
+        textures |= scene.field.textures if scene and scene.field else {}
         timer = self._restarted() if timed else None
         self._moment = moment or {}
         for index, step in enumerate(self.plan.steps):
@@ -162,8 +165,7 @@ class FrameExecutor:
             case Fullscreen() as draw:
                 if step.task.clear and (step.task.test or not region.whole):
                     clear_targets(self._resources.ctx, step, target, dict.fromkeys(step.writes, step.task.clear))
-                lit = {name: scene.lit.values[name] for name in draw.lit} if scene else {}
-                self._fullscreen(index, draw, step, target, textures, view, region, lit)
+                self._fullscreen(index, draw, step, target, textures, view, region, scene)
             case DrawScene() as draw:
                 if scene is None:
                     raise ContextError(f"pass '{step.task.name}' draws a scene, and this frame has none")
@@ -187,7 +189,7 @@ class FrameExecutor:
         textures: Mapping[str, Any],
         view: ViewConstants,
         region: DrawRegion,
-        lit: Mapping[str, Any],
+        scene: SceneView | None,
     ) -> None:
         bound = self._bound.get((index, view.pinhole)) or self._bind(index, draw, view.pinhole)
         resources = self._resources
@@ -199,11 +201,17 @@ class FrameExecutor:
         if bound.program.user != (bound, view):
             self._set_uniforms(bound, draw, step, textures, view)
             bound.program.user = (bound, view)
-        bound.program.set(lit)
-        bound.program.set({name: value for name, value in self._moment.items() if name in bound.program.declared})
+        bound.program.set(self._placed(draw, bound.program, scene))
         target.use()
         with self._state(step, region.of(step)):
             bound.triangle.render(moderngl.TRIANGLES)
+
+    def _placed(self, draw: Fullscreen, program: Program, scene: SceneView | None) -> dict[str, Any]:
+        """Return the uniforms that are another frame's or camera's though the view be the same: moment, light, field."""
+        lit = {name: scene.lit.values[name] for name in draw.lit} if scene else {}
+        field_ = scene.field.uniforms(scene.camera) if scene and scene.field else {}
+        own = {**self._moment, **field_}
+        return lit | {name: value for name, value in own.items() if name in program.declared}
 
     def _bind(self, index: int, draw: Fullscreen, pinhole: bool) -> _Bound:
         defines = {**draw.defines, **({"PINHOLE": 1} if pinhole else {})}

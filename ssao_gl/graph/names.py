@@ -17,6 +17,8 @@ BAKED = "baked_visibility"
 
 HIDDEN = "hidden"
 """Sum over the scene's triangles of the share of a pixel's hemisphere that each hides."""
+FIELD, FIELD_COARSE = "field", "field_coarse"
+"""Shares that the scene fills of its voxels, and opacities of larger ones: 3-D textures, made once."""
 
 PIXEL_DEPTH, PIXEL_NORMAL = "pixel_depth", "pixel_normal"
 """What a method reads of the pixel itself: depth and normals at the size at which occlusion is drawn."""

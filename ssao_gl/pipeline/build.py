@@ -13,6 +13,8 @@ from ..graph.frame_graph import compile
 from ..graph.names import (
     BENT_NORMAL,
     COLOR,
+    FIELD,
+    FIELD_COARSE,
     GIVEN_DEPTH,
     GIVEN_HISTORY,
     GIVEN_NORMAL,
@@ -109,8 +111,11 @@ def plan_render(
     ]
     passes = _toned(settings, passes)
     outputs = wanted if many == 1 else [resolved(name) for name in wanted]
+    made = [FIELD, FIELD_COARSE] if "prepared" in settings.method.traits.inputs else []
     kept, given = ([HISTORY], [GIVEN_HISTORY]) if moment is not None else ([], [])
-    return compile(_at(settings.precision, passes, fine), size, [*outputs, *kept], given, notes=_notes(settings, culling))
+    return compile(
+        _at(settings.precision, passes, fine), size, [*outputs, *kept], [*made, *given], notes=_notes(settings, culling)
+    )
 
 
 def plan_filter(blur: Filter, size: Size) -> Plan:

@@ -19,7 +19,7 @@ from ..scene.screen_bounds import screen_bounds
 from .build import check_camera, plan_render
 from .exclusion import no_casters, no_receivers
 from .fill import check_fill
-from .kept import check_kept
+from .kept import check_kept, with_voxels
 from .light import lit_view
 from .settings import GUARD_STEP, Settings, guard_band
 
@@ -57,6 +57,7 @@ def frame_setup(scene: Scene, camera: Camera, size: Size, settings: Settings, li
     settings = settings.settled(camera.ao_radius or scene.default_radius(), scene.background)
     light = settings.light and settings.light.settled(scene)
     settings = dataclasses.replace(settings, light=light)
+    settings = with_voxels(settings, scene)
     many = settings.supersample
     (w, h), room = size, (limit // many - max(size)) // 2 // GUARD_STEP * GUARD_STEP
     tile = camera.lens if isinstance(camera.lens, CropLens) else CropLens(camera.lens, size, (0, 0))

@@ -12,8 +12,9 @@ from typing import Any, SupportsIndex
 import moderngl
 
 from ..errors import ContextError, FormatError, SettingsError
+from ..gl.clearing import DrawTarget
 from ..gl.context import Context
-from ..gl.executor import DrawTarget, FrameExecutor
+from ..gl.executor import FrameExecutor
 from ..gl.external import GuestFramebuffer, texture_size
 from ..gl.frame_cache import FrameCache
 from ..gl.guest_state import GuestState

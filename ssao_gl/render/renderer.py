@@ -38,9 +38,9 @@ from .arrays import check_arrays, check_kinds, is_fine, radius_of, settled_depth
 from .deprecated import drawn_to_budget
 from .frame_report import frame_report, scene_report
 from .history import History
+from .kept_of_scene import KeptOfScene
 from .memory import check_room
 from .picture import Picture
-from .ray_hosts import RayHosts
 from .readback import read_aov, time_passes
 from .uploads import uploaded
 from .upsampled import needs_upsampling, upsampled
@@ -86,7 +86,7 @@ class Renderer:
             self.ctx.leave()
         self._frames: FrameCache[Any] = FrameCache(self._resources, keep)
         self._scene: SceneBuffers | None = None
-        self._rays = RayHosts()
+        self._kept = KeptOfScene(self._resources)
         if self._opened:
             weakref.finalize(self, self.ctx.release).atexit = False  # with a context go all of its objects
 
@@ -128,7 +128,7 @@ class Renderer:
                 history.keep(flipped(drawn.read_all(HISTORY)), made.view, seen.camera)
             report = frame_report(self.ctx, made.settings, size, frame, time.perf_counter() - started)
             report |= time_passes(frame, timed, made.view, inputs, scene=seen, region=made.region)
-        return Picture(arrays, {**report, **scene_report(scene, seen.camera, aovs)})
+        return Picture(arrays, {**report, **scene_report(scene, seen.camera, aovs), **self._kept.table(seen)})
 
     @_current
     def time(
@@ -183,11 +183,10 @@ class Renderer:
         size, aovs = pixel_size(size), aov_names(aovs)
         check_kinds(scene, camera, settings)
         camera = camera or (scene.cameras[0] if scene.cameras else scene.default_camera(size))
-        buffers = self._uploaded_scene(scene)
         made = frame_setup(scene, camera, size, settings or Settings(), self.ctx.max_size)
         key = ("render", made.settings, made.outer, tuple(aovs), made.triangles, fine, moment)
         frame = self._frames.get(key, lambda: made.plan(aovs, fine=fine, moment=moment), self._check_room)
-        return made, frame, SceneView(buffers, camera, self._rays.of(frame.plan, scene, camera, made), made.lit)
+        return made, frame, self._kept.seen(frame.plan, self._uploaded_scene(scene), camera, made)
 
     def _uploaded_scene(self, scene: Scene) -> SceneBuffers:
         """Return the scene on the GPU."""
@@ -301,7 +300,8 @@ class Renderer:
                 if self._scene is not None:
                     self._scene.release()
                 self._frames.clear()
-                self._scene, self._rays = None, RayHosts()
+                self._kept.release()
+                self._scene = None
                 self._resources.release()
             if self._opened:
                 self.ctx.release()

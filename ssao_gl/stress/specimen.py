@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..errors import SettingsError
 from ..methods.base import Deviation, Method
 from ..methods.registry import check_presets, general, method, presets_of
 from ..passes.denoise import filter_named
@@ -63,8 +64,14 @@ class Specimen:
 
 
 def specimens(methods: Sequence[str] = (), presets: Sequence[str] = (DEFAULT,), precision: str = "high") -> list[Specimen]:
-    """Methods (all that draw every scene, or those named) times presets: ``default``, names, or ``all``. Raises SettingsError for unknown names."""
+    """Methods (all that draw every scene, or those named) times presets: ``default``, names, or ``all``.
+
+    Raises SettingsError for unknown names, and for methods that show what only some scenes keep.
+    """
     Settings(precision=precision)
+    for name in methods:
+        if not method(name).traits.any_scene:
+            raise SettingsError(f"--methods {name}: shows what a scene keeps, and the scenes of the stress test keep nothing")
     shipped = {name: method(name) for name in methods or general()}
     found = [
         Specimen(name, preset, _affordable(assign(record, values)), precision)

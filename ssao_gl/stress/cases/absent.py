@@ -35,7 +35,7 @@ def _loops(plan: Plan) -> int:
 @case("half-precision", GROUP, "words", 0.0, traps=(5, 6, 40), why="none")
 def precision(lab: CaseRunner) -> float:
     """Floats, integers and samplers are of 32 bits by default, and nothing is mediump or lowp but what is declared LOW."""
-    method = lab.subject.method
+    method = lab.subject.settings(Shot(lens())).method
     text = re.sub(r"//.*|#define LOW mediump", "", build(method.shader, method.defines()).text)
     wanted = ("precision highp float;", "precision highp int;", "precision highp sampler2D;")
     return float(len(re.findall("mediump|lowp", text)) + sum(line not in text for line in wanted))

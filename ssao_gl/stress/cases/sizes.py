@@ -81,6 +81,8 @@ def summed(lab: CaseRunner) -> float:
 @case("too-large", GROUP, "1 when it is not refused", 0.0, traps=(22,), why="a refusal in words", once=True)
 def too_large(lab: CaseRunner) -> float:
     """An image larger than the driver's largest texture is refused in one line, before anything is drawn."""
+    if lab.subject.method.traits.needs_scene and lab.subject.method.traits.single_layer is None:
+        raise NotApplicable("a depth image is no scene")
     side = lab.renderer.ctx.max_size + 1
     shot = Shot(lens(), depth=np.full((1, side), 5.0, np.float32))
     if not lab.subject.method.traits.draws_arrays:
