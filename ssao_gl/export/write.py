@@ -31,7 +31,7 @@ def json_files(made: Pipeline) -> Files:
 
 def webgl2_files(made: Pipeline) -> Files:
     """Return a module with the pipeline, and the runtime with its types; both as small as they go without a tool."""
-    head = "// Written by ssao-gl export; see ssao-gl.js.\n"
+    head = "// ssao-gl export\n"
     return {
         "pipeline.js": f"{head}export default {json.dumps(slim(made), separators=(',', ':'))};\n",
         "pipeline.d.ts": 'import type { Pipeline } from "./ssao-gl.js";\ndeclare const pipeline: Pipeline;\nexport default pipeline;\n',

@@ -147,7 +147,7 @@ def test_the_result_can_go_to_the_canvas(page: Any, cheap: dict[str, Any]) -> No
 MISTAKES = {
     "new SsaoGl(document.createElement('canvas').getContext('webgl'), made)": "WebGL2 context",
     "new SsaoGl(null, made)": "WebGL2 context",
-    "new SsaoGl(gl, {})": "format 'ssao_gl pipeline 1', got 'undefined'",
+    "new SsaoGl(gl, {})": "expected 'ssao_gl pipeline 1', got 'undefined'",
     "new SsaoGl(without(context(), 'EXT_color_buffer_float'), made)": "EXT_color_buffer_float",
     "ao.apply({})": "resize",
     "ao.resize(0, 10)": "whole pixels",

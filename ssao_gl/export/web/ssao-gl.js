@@ -40,7 +40,7 @@ function inverse(m) {
 // What depends on the projection m(row, column) and the size alone, by the names of the schema.
 function viewValues(m, [width, height]) {
     const det = m(0, 0) * m(1, 1) - m(0, 1) * m(1, 0), w1 = -m(3, 2), w0 = m(3, 3);
-    if (!det || m(3, 0) || m(3, 1)) fail("the projection flattens the image, or its clip w depends on x or y");
+    if (!det || m(3, 0) || m(3, 1)) fail("the projection flattens the image, or w depends on x or y");
     if (w1 < 0) fail("the projection looks along +z; view space looks along -z");
     const [a, b, c, d] = [m(1, 1), -m(1, 0), -m(0, 1), m(0, 0)].map((v) => v / det); // inverse of xy, column by column
     const times = (x, y) => [a * x + c * y, b * x + d * y];
@@ -264,7 +264,7 @@ export class SsaoGl {
         const gl = this.#gl, { slots, tables } = this.#pipeline;
         // Asking for the extension also switches it on.
         if (slots.some(({ format }) => format.endsWith("f")) && !gl.getExtension("EXT_color_buffer_float")) {
-            fail("this browser cannot draw into float textures (EXT_color_buffer_float)");
+            fail("no drawing into float textures here (EXT_color_buffer_float)");
         }
         const made = (this.#made = { owned: [], programs: {}, tables: {} });
         made.samplers = ["CLAMP_TO_EDGE", "REPEAT"].map((wrap) => {
