@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from ssao_gl.scene.pose import look_at
 
 from ..browser import served_page
 
+README = Path(__file__).parents[2] / "README.md"
 SIZE = (160, 90)
 RADIUS = 0.8
 EYE = (3.0, 2.5, 4.0)
@@ -58,6 +60,15 @@ export function drawn(options, { lens = "perspective", frames = 1, configuration
 """
 
 
+def readme_block() -> str:
+    """The README's block for three.js, as a module that runs it for a renderer, a scene and a camera, and returns its composer."""
+    section = README.read_text("utf-8").split("\n## In three.js, in the browser, in a notebook\n", 1)[1].split("\n## ", 1)[0]
+    (block,) = re.findall(r"```js\n(.*?)```", section, re.DOTALL)
+    assert len([line for line in block.splitlines() if line.strip()]) <= 12, "a newcomer's lines"
+    imports, code = block.split("\n\n", 1)
+    return f"{imports}\nexport default function (renderer, scene, camera, width, height) {{\n{code}\nreturn composer; }}\n"
+
+
 @pytest.fixture(scope="module")
 def three() -> Path:
     folders = [Path(folder) / "three" for folder in os.environ.get("NODE_PATH", "").split(os.pathsep) if folder]
@@ -81,6 +92,7 @@ def drawn(browser: Any, three: Path, tmp_path_factory: pytest.TempPathFactory) -
     imports = '{"imports": {"three": "/three/build/three.module.js", "three/addons/": "/three/examples/jsm/"}}'
     files["index.html"] = f'<!doctype html><script type="importmap">{imports}</script>'
     files["page.js"] = PAGE
+    files["readme.js"] = readme_block()
     page = served_page(browser, files)
 
     def draw(options: dict[str, Any] | None = None, **more: Any) -> np.ndarray:
@@ -91,6 +103,7 @@ def drawn(browser: Any, three: Path, tmp_path_factory: pytest.TempPathFactory) -
         assert found["error"] == 0
         return np.array(found["pixels"], np.uint8).reshape(SIZE[1], SIZE[0], 4)[::-1, :, :3]
 
+    draw.page = page  # type: ignore[attr-defined]
     yield draw
     page.close()
 
@@ -155,3 +168,29 @@ def test_live_settings_and_many_frames(drawn: Any) -> None:
 def test_mistakes_are_told(options: dict[str, Any], more: dict[str, Any], text: str, drawn: Any) -> None:
     with pytest.raises(Exception, match=text):
         drawn(options, **more)
+
+
+def test_the_readmes_block_draws(drawn: Any) -> None:
+    found = drawn.page.evaluate("""async () => {
+        const THREE = await import("three"), { default: readme } = await import("/readme.js");
+        const renderer = new THREE.WebGLRenderer({ preserveDrawingBuffer: true });
+        renderer.setSize(64, 36, false);
+        const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera(50, 64 / 36, 0.1, 30);
+        const material = new THREE.MeshBasicMaterial({ color: 0xffffff, side: THREE.DoubleSide });
+        for (const turn of [0, -Math.PI / 2]) {
+            const wall = scene.add(new THREE.Mesh(new THREE.PlaneGeometry(4, 4), material)).children.at(-1);
+            wall.rotation.x = turn;
+        }
+        camera.position.set(0.5, 1, 2);
+        camera.lookAt(0, 0, 0);
+        const composer = readme(renderer, scene, camera, 64, 36);
+        await new Promise((done) => setTimeout(done, 300));
+        renderer.setAnimationLoop(null);
+        composer.render();
+        const gl = renderer.getContext(), pixels = new Uint8Array(4 * 64 * 36);
+        gl.readPixels(0, 0, 64, 36, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+        renderer.forceContextLoss();
+        return Array.from(pixels);
+    }""")
+    shown = np.array(found, np.uint8).reshape(36, 64, 4)[..., 0]
+    assert shown.max() == 255 and 20 < shown[shown > 0].min() < 235, "walls darken their crease"
