@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from ..errors import SettingsError
 from ..glsl import preprocess
 from ..methods.registry import registry
+from ..settings import assign
 
 EXAMPLES: Mapping[str, Mapping[str, preprocess.Define]] = {
     "gbuffer.frag": {"TARGETS": 3, "DEPTH_TARGET": 0, "NORMAL_TARGET": 1, "COLOR": 2, "NORMAL": 1, "SMOOTH": 1},
@@ -66,5 +67,7 @@ def defaults(file: str) -> Mapping[str, preprocess.Define]:
     """Return the defines that the default settings give a shader file."""
     for kind in registry().values():
         if kind.shader == file:
-            return {**kind().defines(), "PINHOLE": 1}
+            made = kind()
+            settled = made if made.radius is not None else assign(made, {"radius": 1.0})  # which some need for their defines
+            return {**settled.defines(), "PINHOLE": 1}
     return EXAMPLES.get(file, {})
