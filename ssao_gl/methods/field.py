@@ -76,6 +76,7 @@ class OccupancyField:
             taps=self.cones,
             taps_setting="cones",
             affordable=dataclasses.replace(self, detail=min(self.detail, 6.0)),
+            max_reach=1.0,  # of the image a pixel sees itself alone
         )
 
     @property
