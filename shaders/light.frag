@@ -21,7 +21,7 @@ uniform sampler2D u_z;
 uniform sampler2D u_bent;        // mean open direction
 #endif
 #ifdef BOUNCED
-uniform sampler2D u_gained;      // mean of what hides the pixel, and whether some of it is seen
+uniform sampler2D u_gained;      // mean of what hides the pixel, and whether some of it is seen; BOUNCED 2: what reaches it of it
 uniform float u_hidden_sky;      // see bounce.frag
 #endif
 #ifdef SPECULAR
@@ -79,7 +79,9 @@ void main() {
     lamps = ssao_lamps(p, n, first);
     matt += lamps;
 #endif
-#ifdef BOUNCED
+#if defined(BOUNCED) && BOUNCED == 2
+    matt += SAMPLE(u_gained, uv).rgb;
+#elif defined(BOUNCED)
     // What is hidden, and whose light nobody has seen, shines like what was seen; like the pixel itself where that is nothing.
     vec4 gained = SAMPLE(u_gained, uv);
     float hidden = 1.0 - visibility;

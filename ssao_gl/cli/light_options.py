@@ -11,7 +11,8 @@ from cyclopts import Parameter
 
 from ..errors import SettingsError
 from ..io.panorama_files import load_panorama
-from ..pipeline.light import ENVIRONMENTS, INDIRECT, TONES, Light
+from ..passes.light import INDIRECT
+from ..pipeline.light import ENVIRONMENTS, TONES, Light
 from ..pipeline.settings import Settings
 from ..scene.harmonics import projected
 from .help_pages import RARE
@@ -41,7 +42,7 @@ class LightOptions:
     indirect: Annotated[
         str | None,
         Parameter(
-            help=f"Light from what hides a pixel: {', '.join(INDIRECT)}; bitmask lets colours bleed. [default: none]",
+            help=f"Light that bounced once: {', '.join(INDIRECT)}; bitmask lets colours bleed, ssdo and rsm (with --shadows) are there to compare. [default: none]",
         ),
     ] = None
     tone: Annotated[

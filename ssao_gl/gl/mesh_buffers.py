@@ -141,22 +141,22 @@ class MeshBuffers:
 
 def _defines(mesh: Mesh, seen: SceneDraw) -> dict[str, int]:
     """Return what the shader of a mesh must do, and no more."""
-    defines, writes = seen.target_defines, seen.writes
+    defines, shown = seen.target_defines, seen.shown
     smooth = {SHADING_NORMAL, COLOR} | (set() if "GEOMETRIC" in seen.defines else {NORMAL})
-    if NORMAL in writes or smooth & set(writes):
+    if NORMAL in shown or smooth & shown:
         defines["NORMAL"] = 1
-    if smooth & set(writes) and mesh.normals is not None:
+    if smooth & shown and mesh.normals is not None:
         defines["SMOOTH"] = 1
-    colored, cut = COLOR in writes, mesh.cutoff is not None
+    colored, cut = COLOR in shown, mesh.cutoff is not None
     if cut:
         defines["CUT"] = 1
     if mesh.vertex_colors is not None and (colored or cut):
         defines["VERTEX_COLOR"] = 1
     if mesh.texture is not None and (colored or cut):
         defines["TEXTURED"] = 1
-    if mesh.material is not None and MATERIAL in writes:
+    if mesh.material is not None and MATERIAL in shown:
         defines["SHINY"] = 1
-    if mesh.baked is not None and BAKED in writes:
+    if mesh.baked is not None and BAKED in shown:
         defines["BAKED_VERTEX" if mesh.baked.texture is None else "BAKED_TEXTURE"] = 1
         defines |= {} if mesh.baked.base_color is None else {"BAKED_IN_COLOR": 1}
     return defines

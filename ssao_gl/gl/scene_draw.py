@@ -22,7 +22,9 @@ from ..graph.names import (
     NORMAL,
     RECEIVER_DEPTH,
     SHADING_NORMAL,
+    SHADOW_COLOR,
     SHADOW_DEPTH,
+    SHADOW_NORMAL,
 )
 from ..scene.labels import Label, is_called
 from ..scene.projection import Matrix, ViewConstants
@@ -38,9 +40,13 @@ TARGETS = {
     BAKED: "BAKED_TARGET",
     MATERIAL: "MATERIAL_TARGET",
     SHADOW_DEPTH: "DEPTH_TARGET",
+    SHADOW_NORMAL: "NORMAL_TARGET",
+    SHADOW_COLOR: "COLOR",
     LABELS: "LABELS_TARGET",
 }
 """Resource -> the define that makes the shader write it."""
+AS_SEEN = {SHADOW_NORMAL: NORMAL, SHADOW_COLOR: COLOR}
+"""What a light is shown -> the same for the camera."""
 
 _Kind = tuple[tuple[str, str], tuple[str, ...], tuple[tuple[str, Define], ...]]
 
@@ -81,6 +87,11 @@ class SceneDraw:
     def program_key(self, kind: str) -> _Kind:
         """Return what decides the program of a kind of thing, but the thing itself: shader, targets, defines."""
         return self.draw.shaders[kind], self.writes, tuple(sorted(self.defines.items()))
+
+    @property
+    def shown(self) -> frozenset[str]:
+        """What of surfaces the targets hold, by the names of the camera's."""
+        return frozenset(AS_SEEN.get(name, name) for name in self.writes)
 
     @property
     def target_defines(self) -> dict[str, int]:

@@ -166,9 +166,9 @@ class SphereBuffers:
 def _defines(placed: _Placed, seen: SceneDraw) -> dict[str, int]:
     """Return what the shader must do, and no more."""
     defines = dict(seen.target_defines)
-    if {NORMAL, SHADING_NORMAL, COLOR} & set(seen.writes):
+    if {NORMAL, SHADING_NORMAL, COLOR} & seen.shown:
         defines["NORMAL"] = 1
-    if placed.colors is not None and COLOR in seen.writes:
+    if placed.colors is not None and COLOR in seen.shown:
         defines["VERTEX_COLOR"] = 1
     return defines
 

@@ -105,9 +105,9 @@ def _defines(volume: Volume, seen: SceneDraw) -> dict[str, int]:
     defines = seen.target_defines | ({"TRANSFER": 1} if volume.transfer is not None else {})
     exact = "GEOMETRIC" in seen.defines and volume.transfer is None
     smooth = {SHADING_NORMAL, COLOR} | (set() if exact else {NORMAL})
-    if NORMAL in seen.writes or smooth & set(seen.writes):
+    if NORMAL in seen.shown or smooth & seen.shown:
         defines["NORMAL"] = 1
-    if smooth & set(seen.writes):
+    if smooth & seen.shown:
         defines["SMOOTH"] = 1
     return defines
 

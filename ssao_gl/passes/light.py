@@ -17,12 +17,18 @@ from ..graph.names import (
     MATERIAL,
     NORMAL,
     SHADING_NORMAL,
+    SHADOW_COLOR,
     SHADOW_DEPTH,
     SHADOW_MASK,
+    SHADOW_NORMAL,
     VISIBILITY,
 )  # fmt: skip
 from .gbuffer import SHADERS
 
+GATHERED = ("ssdo", "rsm")
+"""Light of one bounce that passes beside occlusion gather."""
+INDIRECT = ("none", "tint", "bitmask", *GATHERED)
+"""Where light comes from that has bounced: nowhere, the surface's own colour, what hides a pixel, what lies around it."""
 MOST_LAMPS = 8
 """Lamps of a scene that light a picture."""
 SHADOW_EYE = "key light"
@@ -62,10 +68,18 @@ class Sources:
         return {"LAMPS": self.lamps, **({"SHADOWS": 1} if self.shadows else {}), **({"SKY": 1} if self.sky else {})}
 
 
-def shadow_map(side: int) -> Pass:
-    """Draw the distance along the key light of what it meets first, ``side`` x ``side`` texels. Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978."""
-    draw = DrawScene(SHADERS, {SHADOW_DEPTH: (NOTHING,) * 4}, view=SHADOW_EYE)
-    return Pass("shadow map", "shadow", draw, {SHADOW_DEPTH: Texture("r32f", side=side)}, depth=SHADOW_MASK)
+def shadow_map(side: int, *, reflective: bool = False) -> Pass:
+    """Draw the distance along the key light of what it meets first, ``side`` x ``side`` texels. Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978.
+
+    reflective: with its normals and base colours, so that it can be gathered from; see :func:`ssao_gl.passes.gather.from_shadow_map`.
+    """
+    clears: dict[str, tuple[float, ...]] = {SHADOW_DEPTH: (NOTHING,) * 4}
+    targets = {SHADOW_DEPTH: Texture("r32f", side=side)}
+    if reflective:
+        clears |= dict.fromkeys((SHADOW_NORMAL, SHADOW_COLOR), (0.0,) * 4)
+        targets |= {SHADOW_NORMAL: Texture("rg16f", side=side), SHADOW_COLOR: Texture("rgba8", side=side)}
+    draw = DrawScene(SHADERS, clears, view=SHADOW_EYE)
+    return Pass("shadow map", "shadow", draw, targets, depth=SHADOW_MASK)
 
 
 def reflected_light(sources: Sources, scale: int, hidden_sky: float) -> Pass:
@@ -94,10 +108,10 @@ def light_image(
 ) -> Pass:
     """Draw ``result``: linear light of lamps and environment on base colour, as sRGB; ``background`` (sRGB, alpha) where ``test`` finds nothing.
 
-    bent: the environment is looked up in the bent normal's direction. specular: strength of what shines, 0 for none. indirect: none, tint or bitmask. hidden_sky: see
+    bent: the environment is looked up in the bent normal's direction. specular: strength of what shines, 0 for none. indirect: see :data:`INDIRECT`. hidden_sky: see
     :func:`reflected_light`.
     """
-    bounced = indirect == "bitmask"
+    bounced = indirect == "bitmask" or indirect in GATHERED
     samplers = {**sources.samplers, "u_color": COLOR, "u_visibility": VISIBILITY, "u_normal": SHADING_NORMAL}
     samplers |= {"u_z": DEPTH} if specular else {}
     samplers |= {"u_gained": GAINED} if bounced else {}
@@ -106,11 +120,11 @@ def light_image(
     defines = sources.defines | {
         **({"BENT_SKY": 1} if bent else {}),
         **({"SPECULAR": 1} if specular else {}),
-        **({"BOUNCED": 1} if bounced else {}),
+        **({"BOUNCED": 2 if indirect in GATHERED else 1} if bounced else {}),
         **({"TINT": 1} if indirect == "tint" else {}),
         **({"TONE": 1} if tone != "none" else {}),
     }
     uniforms: dict[str, Uniform] = {"u_specular": specular} if specular else {}
-    uniforms |= {"u_hidden_sky": hidden_sky} if bounced else {}
+    uniforms |= {"u_hidden_sky": hidden_sky} if indirect == "bitmask" else {}
     draw = Fullscreen("light.frag", samplers, uniforms, defines=defines, lit=sources.lit)
     return Pass("light", "composite", draw, {result: Texture("rgba8")}, test=test, clear=tuple(background))

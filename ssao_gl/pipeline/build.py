@@ -53,7 +53,7 @@ from ..passes.temporal import Moment, averaged, in_phase
 from ..scene.projection import Size, ViewConstants
 from .culling import CullingPlan, plan_culling
 from .exclusion import excluded, layers
-from .lighting import Signals, light_before_occlusion, lit_image, signals_of
+from .lighting import Signals, light_before_occlusion, light_beside_occlusion, lit_image, signals_by_taps, signals_of
 from .outputs import aov_resources
 from .residual import check_no_scene, corrected
 from .settings import PRECISIONS, Settings, drawn_filter, drawn_scale
@@ -240,7 +240,8 @@ def _at_full_size(settings: Settings, culling: CullingPlan, signals: Signals) ->
         depth_over_far(),
         *culling.blocks,
         *([shade_mask(packed=packed)] if unshaded else []),
-        occlude(method, packed=packed, test=test, over=unshaded, signals=signals),
+        *light_beside_occlusion(settings, signals, packed=packed, test=test),
+        occlude(method, packed=packed, test=test, over=unshaded, signals=signals_by_taps(settings, signals)),
         *(blur.passes(job) if blur else []),
     ]
 
@@ -257,7 +258,8 @@ def _at_smaller_size(settings: Settings, culling: CullingPlan, scale: int, signa
     return [
         *culling.blocks,
         downsample(scale, open_blocks=unshaded is not None),
-        occlude(method, packed=True, scale=scale, test=shaded, over=unshaded, signals=signals),
+        *light_beside_occlusion(settings, signals, packed=True, scale=scale, test=shaded),
+        occlude(method, packed=True, scale=scale, test=shaded, over=unshaded, signals=signals_by_taps(settings, signals)),
         *(blur.passes(job) if blur else []),
         upsample(job.result if blur else VISIBILITY_RAW, scale, tolerance, culling.mask, refine_below, signals=signals),
         *([refine_missed(method, REFINE_MASK)] if refine_below else []),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import SettingsError
 from ..graph.draws import FloatTable
-from ..passes.light import MOST_LAMPS, SHADOW_EYE
+from ..passes.light import GATHERED, INDIRECT, MOST_LAMPS, SHADOW_EYE
 from ..scene import harmonics
 from ..scene.camera import Camera
 from ..scene.lamps import Lamp, LitView, Triple
@@ -31,7 +31,6 @@ ENVIRONMENTS: Mapping[str, harmonics.Coefficients] = {
 }
 """Light from all around by name: its coefficients."""
 
-INDIRECT = ("none", "tint", "bitmask")
 TONES = ("none", "neutral")
 
 
@@ -63,11 +62,15 @@ class Light:
     specular: float = setting(1.0, "of what shines; 0: everything is matt", low=0, high=1)
     indirect: str = setting(
         "none",
-        "light from what hides a pixel: none; tint, as if all around had its own colour; bitmask, what the taps reflect",
+        "light that bounced once: none; tint, as if all around had its own colour; bitmask, what the taps reflect that hide; ssdo, what points around meet; rsm, what the shadow map shows",
         choices=INDIRECT,
     )
+    gather_taps: int = setting(32, "for ssdo and rsm: taps a pixel; the filter averages those of a noise tile", low=1, high=256)
     hidden_sky: float = setting(
-        1.0, "for bitmask: what reflects the environment sees as little of it as what gathers that; 0: all of it", low=0, high=1
+        1.0,
+        "for bitmask and ssdo: what reflects the environment sees as little of it as what gathers that; 0: all of it",
+        low=0,
+        high=1,
     )
     tone: str = setting("none", "curve from linear light to the picture; none cuts off at white", choices=TONES)
 
@@ -97,8 +100,13 @@ class Light:
 
     @property
     def bounces(self) -> bool:
-        """Whether taps gather light."""
-        return self.indirect == "bitmask"
+        """Whether light is gathered that bounced."""
+        return self.indirect == "bitmask" or self.gathers
+
+    @property
+    def gathers(self) -> bool:
+        """Whether it is gathered by a pass beside occlusion."""
+        return self.indirect in GATHERED
 
     @property
     def lamp_slots(self) -> int:
@@ -110,6 +118,10 @@ class Light:
         if self.lamps == "scene" and not scene.lamps:
             raise SettingsError(f"light: {scene.name or 'the scene'} has no lights of its own; use --light azimuth,elevation")
         sun = self.lamps == "key" or any(lamp.kind == "directional" for lamp in scene.lamps)
+        if self.indirect == "rsm" and not sun:
+            raise SettingsError(
+                f"indirect=rsm: no lamp of {scene.name or 'the scene'} is directional; use --light azimuth,elevation"
+            )
         return self if sun or not self.shadows else dataclasses.replace(self, shadows=False)
 
 
@@ -131,7 +143,8 @@ def lit_view(light: Light | None, scene: Scene, camera: Camera, size: Size) -> L
     side = light.shadow_side
     sun = shadow_camera(-np.asarray(lamps[0].direction), scene.bounds, camera, size, side)
     view = sun.view((side, side))
-    return LitView(values | _shadow_values(sun, view, camera), {SHADOW_EYE: (sun, view)})
+    values |= _shadow_values(sun, view, camera) | {"u_shadow_light": lamps[0].color}
+    return LitView(values, {SHADOW_EYE: (sun, view)})
 
 
 def _columns(matrix: NDArray[np.float64]) -> tuple[float, ...]:

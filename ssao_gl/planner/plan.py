@@ -96,7 +96,9 @@ def _template(settings: Settings | None) -> Settings:
     if given.rays:
         raise SettingsError("the planner knows its errors without rays: leave rays out")
     if given.light and given.light.bounces:
-        raise SettingsError("the planner compares methods that know no bounced light: leave indirect=bitmask out, or use tint")
+        raise SettingsError(
+            f"the planner compares methods that know no bounced light: leave indirect={given.light.indirect} out, or use tint"
+        )
     if given.supersample > 1:
         raise SettingsError("the planner knows its times for one sample a pixel: leave supersample out")
     if given.exclude:

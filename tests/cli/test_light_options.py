@@ -42,7 +42,7 @@ def test_what_the_options_mean(tmp_path: Path) -> None:
         ({"light": "1,x"}, "--light 1,x: must be azimuth,elevation"),
         ({"light": "0,95"}, "light.elevation=95.0: must be -90 to 90"),
         ({"environment": "ski"}, "--environment ski: must be none, white, sky, or the file"),
-        ({"indirect": "ssdo"}, "light.indirect='ssdo': must be one of none, tint, bitmask"),
+        ({"indirect": "sddo"}, "light.indirect='sddo': must be one of none, tint, bitmask, ssdo, rsm"),
         ({"tone": "aces"}, "light.tone='aces'"),
     ],
 )
