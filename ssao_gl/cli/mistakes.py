@@ -84,7 +84,7 @@ def _option_meant(name: str, error: UnknownOptionError) -> str:
     known = [option for argument in error.argument_collection for option in argument.names if option.startswith("--")]
     key = name.lstrip("-").replace("-", "_")
     ways = dict.fromkeys(prefix + key for prefix, fields in _settings() if key in fields)
-    if ways and "--set" in known:
+    if ways and "--set" in known and name not in MEANT:
         return f" It is a setting: {' or '.join(f'--set {way}=VALUE' for way in ways)}."
     bare = {option.lstrip("-"): option for option in (*known, *(option for option in GLOBAL if option.startswith("--")))}
     return _meant(name) or near_miss(name.lstrip("-"), bare, 0.65).replace("'", "'--", 1)

@@ -55,7 +55,7 @@ LINES: dict[str, str] = {
     "render box.glb --radius": "--radius needs a value: Reach, in scene units or as a share of the scene's size, like 10%",
     "apply photo.png": "--depth is needed: Depth, (h, w): NPY, NPZ, EXR",
     # values
-    "render box.glb --method ssao": "there are bitmask, alchemy, baked, crytek, gtao, hbao,",
+    "render box.glb --method ssao": "there are bitmask, alchemy, aov, baked, crytek, field, gtao, hbao,",
     "render box.glb --method GTAO": "Did you mean 'gtao'?",
     "render box.glb --preset best": "bitmask has no preset 'best'; it has draft, low, medium, high, ultra.",
     "render box.glb --method lecture --preset ultra": "lecture has no preset 'ultra'; it has 4, 8, 16.",
