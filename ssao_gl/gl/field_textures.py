@@ -42,11 +42,19 @@ class FieldTextures:
 
     def uniforms(self, camera: Camera) -> dict[str, Any]:
         """Return the uniforms that say where the voxels lie before ``camera``."""
-        to_voxels: NDArray[np.float64] = self.grid.to_voxels @ np.asarray(camera.pose, np.float64)
-        shape = np.array(self.grid.shape)
-        last, first = [(shape >> level) - 1 for level in range(LEVELS + 1)], level_starts(self.grid.shape)
-        columns = {"u_last": _columns(last), "u_first": _columns(first)}
-        return {"u_to_field": tuple(to_voxels.T.ravel()), **columns, "u_apart": self.apart, "u_lift": self.lift}
+        pose = np.asarray(camera.pose, np.float64)
+        to_voxels: NDArray[np.float64] = self.grid.to_voxels @ pose
+        eye = np.floor(to_voxels[:3, 3] / 2**LEVELS)  # the coarsest voxel that it is in
+        to_voxels[:3, 3] -= eye * 2**LEVELS
+        least = np.array([-eye * 2 ** (LEVELS - level) for level in range(LEVELS + 1)])
+        last = least + [np.array(self.grid.shape) // 2**level - 1 for level in range(LEVELS + 1)]
+        columns = {
+            "u_least": _columns(least),
+            "u_last": _columns(last),
+            "u_place": _columns(level_starts(self.grid.shape) - least),
+        }
+        turns = {"u_to_field": tuple(to_voxels.T.ravel()), "u_to_axes": tuple(pose[:3, :3].T.ravel())}
+        return {**turns, **columns, "u_apart": self.apart, "u_lift": self.lift}
 
     def release(self) -> None:
         """Free the textures."""

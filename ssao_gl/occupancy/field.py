@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -26,9 +25,9 @@ FILLERS: Mapping[type, Callable[[NDArray[np.uint8], Grid, Any], None]] = {
     Volume: fill_volume,
 }
 
-SOLID_LIFT, SHELL_LIFT = (0.1, 0.25), (1.05, 1.05)
+SOLID_LIFT, SHELL_LIFT = (0.2, 0.3, 0.0), (1.05, 0.05, 1.0)
 """Of a solid that a plane bounds, voxels are filled as far as they lie below it, and larger ones hide a little more; of a shell all that
-it goes through are full."""
+it goes through are full, and of larger ones as much as its projections along the axes fill: see the shader."""
 
 APART = 0.75
 """Spheres whose radius is the side of a voxel are apart by this share."""
@@ -43,16 +42,15 @@ class Field:
 
     finest: (z, y, x) uint8 shares. coarser: (z, y, x, 4) uint8 opacities along x, y, z, as :func:`.pyramid.atlas` packs them.
     apart: share of 0..1 by which things in different voxels of a ray are apart: 0 where voxels are small beside them, so that a ray
-    that grazes some is hidden by the fullest. lift: by how many voxels, of the finest and of larger ones, a tangent plane is lifted so
-    that its own surface lies below. seconds: what it took to make.
+    that grazes some is hidden by the fullest. lift: by how many voxels, of the finest, of larger ones, and of larger ones that a surface
+    crosses along an axis, a tangent plane is lifted so that its own surface lies below.
     """
 
     grid: Grid
     finest: NDArray[np.uint8]
     coarser: NDArray[np.uint8]
     apart: float
-    lift: tuple[float, float]
-    seconds: float
+    lift: tuple[float, float, float]
 
     @property
     def bytes(self) -> int:
@@ -62,25 +60,30 @@ class Field:
 
 def field_of(scene: Scene, side: float) -> Field:
     """Return the field of all that is drawn of ``scene``, with voxels of ``side`` scene units. It knows of no view."""
-    began = time.perf_counter()
     grid = grid_over(scene.bounds, side)
     finest = np.zeros(grid.shape[::-1], np.uint8)
     for thing in scene.drawn:
         FILLERS[type(thing)](finest, grid, thing)
     apart = _apart(scene, side)
-    return Field(grid, finest, atlas(pyramid(finest)), apart, _lift(scene, apart), time.perf_counter() - began)
+    return Field(grid, finest, atlas(pyramid(finest)), apart, _lift(scene, apart))
 
 
 def _apart(scene: Scene, side: float) -> float:
     """Return a share of the side of voxels over the mean radius of spheres, at most 1; 1 for what is translucent, 0 for surfaces."""
     if any(isinstance(thing, Volume) and thing.transfer is not None for thing in scene.drawn):
         return 1.0
-    radii = [thing.radii.mean() * similarity_scale(thing.transforms[0]) for thing in scene.drawn if isinstance(thing, Spheres)]
+    radii = [_mean_radius(thing) for thing in scene.drawn if isinstance(thing, Spheres) and (thing.radii > 0).any()]
     return min(APART * side / float(np.mean(radii)), 1.0) if radii else 0.0
 
 
-def _lift(scene: Scene, apart: float) -> tuple[float, float]:
+def _mean_radius(spheres: Spheres) -> float:
+    """Return the mean radius in the world of those that fill something."""
+    return float(spheres.radii[spheres.radii > 0].mean(dtype=np.float64)) * similarity_scale(spheres.transforms[0])
+
+
+def _lift(scene: Scene, apart: float) -> tuple[float, float, float]:
     """Return what a plane is lifted by; less where voxels are not small, and what is near is in the one that a plane goes through."""
     if any(isinstance(thing, Mesh) for thing in scene.drawn):
         return SHELL_LIFT
-    return SOLID_LIFT[0] * (1 - apart), SOLID_LIFT[1] * (1 - apart)
+    fine, coarse, across = SOLID_LIFT
+    return fine * (1 - apart), coarse * (1 - apart), across

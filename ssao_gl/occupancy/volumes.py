@@ -34,7 +34,7 @@ def fill_volume(voxels: NDArray[np.uint8], grid: Grid, volume: Volume) -> None:
 
 def _inside(values: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the share (z, y, x) of each voxel that lies inside the level 0."""
-    slope = np.sqrt(sum(np.square(np.gradient(values, axis=axis)) for axis in range(3) if values.shape[axis] > 1))
+    slope = sum(np.abs(np.gradient(values, axis=axis)) for axis in range(3) if values.shape[axis] > 1)
     return np.clip(0.5 + values / np.maximum(slope, 1e-30), 0, 1)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -12,6 +13,7 @@ from ssao_gl.occupancy.grid import grid_over
 from ssao_gl.occupancy.meshes import fill_mesh
 from ssao_gl.occupancy.spheres import fill_spheres
 from ssao_gl.occupancy.volumes import fill_volume
+from ssao_gl.scene.material import Material
 from ssao_gl.scene.model import Mesh, Scene
 from ssao_gl.scene.spheres import Spheres
 
@@ -81,6 +83,24 @@ def test_triangles_fill_every_voxel_that_they_go_through() -> None:
         / np.linalg.norm(np.cross([2, 0, 0.5], [0, 1.5, -0.7]))
     )
     assert (voxels[off > 0.87 * grid.side] == 0).all()
+
+
+def test_what_alpha_cuts_out_fills_nothing() -> None:
+    whole, colors = quad((0, 0, 0), (2, 0, 0), (0, 2, 0)), np.full((4, 4), 255, np.uint8)
+    colors[whole.positions[:, 0] < 0, 3] = 0
+    cut = dataclasses.replace(whole, vertex_colors=colors, material=Material(alpha_mode="MASK"))
+    grid = grid_over(whole.bounds, 0.2)
+    solid, holed = (np.zeros(grid.shape[::-1], np.uint8) for _ in range(2))
+    fill_mesh(solid, grid, whole)
+    fill_mesh(holed, grid, cut)
+    x = middles(grid)[..., 0]
+    assert (holed[x > 0.2] == solid[x > 0.2]).all() and not holed[x < -0.2].any() and solid[x < -0.2].any()
+
+
+def test_spheres_of_radius_0_do_not_count() -> None:
+    centers = np.zeros((2, 3), np.float32)
+    alone, beside = (field_of(Scene(spheres=[Spheres(centers[: len(r)], np.array(r, np.float32))]), 0.5) for r in ([1], [1, 0]))
+    assert alone.apart == beside.apart > 0 and (alone.finest == beside.finest).all()
 
 
 def test_all_of_a_scene_is_in_one_field() -> None:

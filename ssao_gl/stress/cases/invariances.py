@@ -74,7 +74,7 @@ def place_in_world(lab: CaseRunner) -> float:
     return share(*(lab.render(one, one.cameras[0]).visibility for one in (scene, far))) / spread(lab)
 
 
-@case("turned-together", GROUP, OFF, 0.01, contract="translation", why=EDGES)
+@case("turned-together", GROUP, OFF, 0.01, contract="rotation", why=EDGES)
 def turned_together(lab: CaseRunner) -> float:
     """Camera and scene turned together give the same picture."""
     scene = default_scene()
