@@ -29,6 +29,11 @@ uniform sampler2D u_material;    // roughness, metalness, whether it shines at a
 uniform float u_specular;
 #endif
 
+#ifdef TONED
+uniform float u_power;           // contrast of visibility
+uniform vec3 u_tint;             // share of the light from all around that is left where all is hidden
+#endif
+
 #ifdef TINT
 // Light that bounced between surfaces of one colour, as visibility that depends on it: Jimenez et al., "Practical Realtime Strategies
 // for Accurate Indirect Occlusion", 2016.
@@ -58,6 +63,9 @@ void main() {
     vec2 uv = gl_FragCoord.xy * u_texel;
     vec3 color = ssao_srgb_to_linear(SAMPLE(u_color, uv).rgb);
     float visibility = SAMPLE(u_visibility, uv).r;
+#ifdef TONED
+    visibility = pow(max(visibility, 1e-4), u_power);
+#endif
     vec3 n = ssao_decode_normal(SAMPLE(u_normal, uv).xy);
 #ifdef BENT_SKY
     vec3 open = ssao_decode_normal(SAMPLE(u_bent, uv).xy);
@@ -68,10 +76,14 @@ void main() {
     vec3 p = ssao_position(uv, max(SAMPLE(u_z, uv).r, 1e-30));
 #endif
 #ifdef TINT
-    vec3 matt = ssao_tinted(visibility, color) * ssao_sky(open, SSAO_MATT);
+    vec3 dimmed = ssao_tinted(visibility, color);
 #else
-    vec3 matt = visibility * ssao_sky(open, SSAO_MATT);
+    vec3 dimmed = vec3(visibility);
 #endif
+#ifdef TONED
+    dimmed = mix(u_tint, vec3(1.0), dimmed);
+#endif
+    vec3 matt = dimmed * ssao_sky(open, SSAO_MATT);
     float first = 1.0;
     vec3 lamps = vec3(0.0);
 #if LAMPS > 0

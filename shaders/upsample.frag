@@ -37,7 +37,11 @@ struct SsaoPlane {
 // Add a texel. nearest is (visibility, distance off the plane) of the one that is least off.
 void ssao_tap(inout SsaoSum sum, SsaoPlane plane, vec2 q, LOW float weight, inout vec2 nearest) {
     vec2 place = (plane.corner + q + 0.5) * u_small_texel;
+#ifdef AVERAGED
+    vec2 tap = SAMPLE(u_packed, place).xz;  // of frames: visibility, how many they are, linear depth
+#else
     vec2 tap = ssao_unpack(SAMPLE(u_packed, place).r);
+#endif
     vec2 turn = SAMPLE(u_small_normal, place).xy - plane.normal;  // as encoded: about the angle, and cheap
     float off = abs(dot(plane.line, vec3(1.0, q)) * tap.y - plane.here);
 #ifndef PINHOLE

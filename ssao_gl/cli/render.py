@@ -136,6 +136,13 @@ class PictureOptions:
             raise SettingsError("--accumulate draws a picture at once; leave --tile out")
         return aovs
 
+    def check_at_once(self, tiles: object) -> None:
+        """Raise SettingsError where frames of a picture in tiles are to be averaged."""
+        if self.accumulate is not None and tiles is not None:
+            raise SettingsError(
+                "--accumulate is for pictures that are drawn at once, and this one would be drawn in tiles; choose a smaller --size"
+            )
+
     def accumulated(
         self, renderer: Renderer, scene: Scene, camera: Camera, size: Size, settings: Settings, aovs: tuple[str, ...],
         target: Target | None,
@@ -188,6 +195,7 @@ def render(
         settled = settings.settled(camera.ao_radius or loaded.default_radius(), loaded.background)
         cut = layout(loaded, camera, size, settled, aovs, tile=to.tile, limit=renderer.ctx.max_size)
         drawn_at_once(target, cut)
+        to.check_at_once(cut)
         if cut is not None:
             job = Job(
                 scene=loaded, camera=camera, size=size, settings=settled, aovs=aovs, layout=cut, output=to.output, bits=to.bits

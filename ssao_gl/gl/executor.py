@@ -141,7 +141,7 @@ class FrameExecutor:
             if checked:
                 self._resources.ctx.check_error(f"pass '{step.task.name}'")
         for name, target in (copies or {}).items():
-            self._copy(textures[name], view, target)
+            self._copy(textures[name], target)
         self.targets.frames += 1
         outputs = {name: textures[name] for name in self.plan.outputs}
         return DrawnFrame(self.plan, outputs, timer.results() if timer else (), framebuffers, region)
@@ -298,11 +298,11 @@ class FrameExecutor:
         found = np.ascontiguousarray(work(draw, view, rect, read), np.float32)
         textures[step.writes[0]].write(found.tobytes(), viewport=rect)
 
-    def _copy(self, texture: moderngl.Texture, view: ViewConstants, target: DrawTarget) -> None:
+    def _copy(self, texture: moderngl.Texture, target: DrawTarget) -> None:
         """Draw an output into a framebuffer of the caller's."""
         program, triangle = self._resources.triangle("copy.frag", {})
         self._resources.bind(0, texture)
-        program.set({"u_image": 0, "u_texel": view.constants["u_texel"]})
+        program.set({"u_image": 0, "u_texel": (1 / texture.width, 1 / texture.height)})
         target.use()
         triangle.render(moderngl.TRIANGLES)
 

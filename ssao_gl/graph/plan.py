@@ -90,6 +90,10 @@ class Plan:
         attachments = (Attachments(step.slots, step.depth_slot, step.task.depth is not None) for step in self.steps)
         return FrameLayout(self.frame, self.slots, tuple(attachments), tuple(self.history.values()))
 
+    def size_of(self, resource: str) -> tuple[int, int]:
+        """Return (width, height) of a resource in texels."""
+        return self.slots[self.where[resource]].size
+
     def describe(self) -> str:
         """Return the plan as a table: what runs in which order, into what, and what was left out and why."""
         mib = 2.0**20

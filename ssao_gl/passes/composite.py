@@ -9,6 +9,9 @@ from ..graph.declare import DepthTest, Pass, Texture
 from ..graph.draws import Fullscreen
 from ..graph.names import COLOR, IMAGE, VISIBILITY
 
+IMAGES = ("composite", "light")
+"""Passes that draw the image by visibility."""
+
 
 def composite(
     ambient: float, background: Sequence[float], *, direct: bool, test: DepthTest | None = None, result: str = IMAGE
@@ -26,7 +29,7 @@ def toned(passes: Sequence[Pass], power: float, tint: tuple[float, float, float]
     """Return the passes with an image whose visibility is raised to ``power``, and whose hidden light is ``tint`` (linear)."""
 
     def tone(task: Pass) -> Pass:
-        if task.name != "composite" or not isinstance(task.draw, Fullscreen):
+        if task.name not in IMAGES or not isinstance(task.draw, Fullscreen):
             return task
         uniforms, defines = {**task.draw.uniforms, "u_power": power, "u_tint": tint}, {**task.draw.defines, "TONED": 1}
         return replace(task, draw=replace(task.draw, uniforms=uniforms, defines=defines))

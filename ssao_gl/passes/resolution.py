@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ..graph.declare import DepthTest, Pass, Texture
 from ..graph.draws import Define, Fullscreen, Uniform, ViewValue
@@ -10,6 +11,7 @@ from ..graph.names import (
     BLOCK_OPEN,
     DEPTH,
     DEPTH_SMALL,
+    HISTORY,
     NORMAL,
     NORMAL_SMALL,
     REFINE_MASK,
@@ -67,6 +69,16 @@ def upsample(
     if refine_below:  # a pass that writes depth cannot be tested against another
         return Pass("upsample", "upsample", draw, writes, depth=REFINE_MASK, clear=(1.0,) * 4)
     return Pass("upsample", "upsample", draw, writes, test=mask, clear=(1.0,) * 4)
+
+
+def upsampled_average(task: Pass, source: str) -> Pass:
+    """Return a pass, which brings the average over frames to the size of the image if it did so with ``source``."""
+    if task.role != "upsample" or not isinstance(task.draw, Fullscreen):
+        return task
+    draw = task.draw
+    samplers = {name: HISTORY if resource == source else resource for name, resource in draw.samplers.items()}
+    uniforms = {**draw.uniforms, "u_small_texel": ViewValue("resource_size", inverse=True, resource=HISTORY)}
+    return replace(task, draw=replace(draw, samplers=samplers, uniforms=uniforms, defines={**draw.defines, "AVERAGED": 1}))
 
 
 def upsample_by_depth(source: str, scale: int, radius: float, mask: DepthTest | None) -> Pass:

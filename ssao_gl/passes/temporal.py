@@ -10,14 +10,19 @@ import numpy as np
 
 from ..graph.declare import Pass, Texture
 from ..graph.draws import FloatTable, Fullscreen, Uniform, ViewValue
-from ..graph.names import DEPTH, GIVEN_HISTORY, HISTORY, NORMAL, VISIBILITY, VISIBILITY_NOW
+from ..graph.names import GIVEN_HISTORY, HISTORY, PIXEL_DEPTH, PIXEL_NORMAL, VISIBILITY, VISIBILITY_NOW
 from ..sampling.disk import bayer
+from .occlusion import PIXEL
+from .resolution import upsampled_average
 
-MOST_FRAMES = 16
-"""Frames that count: as many as the noise tile has phases."""
+PHASES = 16
+"""Places of the noise tile, which frames take in turn."""
+
+MOST_FRAMES = 24
+"""Frames that count. Of 16, 24 and 32 this one leaves least flicker (``draft``, a pan of a quarter of a pixel a frame)."""
 
 TOLERANCE = 1.0
-"""Pixels off its plane up to which what was seen is what is seen."""
+"""Texels off its plane up to which what was seen is what is seen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,14 +35,29 @@ class Moment:
     moved: bool = False
 
 
-def averaged(screen: Sequence[Pass], *, moved: bool) -> list[Pass]:
-    """Return the passes of visibility, and behind them the one that averages it with the last frames'; see :class:`Moment`."""
-    samplers = {"u_now": VISIBILITY_NOW, "u_z": DEPTH, "u_normal": NORMAL, "u_history": GIVEN_HISTORY}
-    uniforms: dict[str, Uniform] = {"u_per_pixel": ViewValue("pixel", TOLERANCE, inverse=True), "u_most": float(MOST_FRAMES)}
-    draw = Fullscreen("temporal.frag", samplers, uniforms, defines={"TARGETS": 2, **({"MOVED": 1} if moved else {})})
-    targets = {VISIBILITY: Texture("r8"), HISTORY: Texture("rgba32f")}
+def averaged(screen: Sequence[Pass], result: str = VISIBILITY, scale: int = 1, *, moved: bool) -> list[Pass]:
+    """Return the passes of visibility, and the one that averages their ``result`` with the last frames'; see :class:`Moment`.
+
+    ``scale`` above 1: the result is packed and small, with so many pixels along each side of a texel; the history is what is read of it.
+    """
+    small = scale > 1
+    pixel = PIXEL[small]
+    samplers = {
+        "u_now": VISIBILITY_NOW,
+        "u_pixel_z": pixel[PIXEL_DEPTH],
+        "u_pixel_normal": pixel[PIXEL_NORMAL],
+        "u_history": GIVEN_HISTORY,
+    }
+    uniforms: dict[str, Uniform] = {
+        "u_per_pixel": ViewValue("pixel", TOLERANCE * scale, inverse=True),
+        "u_most": float(MOST_FRAMES),
+    }
+    defines = {"TARGETS": 1 if small else 2, **({"MOVED": 1} if moved else {}), **({"PACKED": 1, "SMALL": 1} if small else {})}
+    draw = Fullscreen("temporal.frag", samplers, uniforms, defines=defines)
+    targets = {HISTORY: Texture("rgba32f", 1 / scale), **({} if small else {result: Texture("r8")})}
     done = Pass("temporal", "denoise", draw, targets, clear=(0.0,) * 4)
-    return [*(task.renamed(VISIBILITY, VISIBILITY_NOW) for task in screen), done]
+    passes = [task.renamed(result, VISIBILITY_NOW) for task in screen]
+    return [*(upsampled_average(task, result) for task in passes), done] if small else [*passes, done]
 
 
 def in_phase(task: Pass, tile: int, phase: int) -> Pass:

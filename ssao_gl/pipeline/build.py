@@ -97,7 +97,7 @@ def plan_render(
     signals = signals_of(settings, light, bent="bent" in aovs)
     culling = plan_culling(settings, DepthTest(SCENE_MASK, far=True), size, triangles, flat_normals=flat, signals=bool(signals))
     background = settings.shading.background_rgba
-    screen = corrected(settings, excluded(settings, _visibility(settings, culling, signals)), culling.mask)
+    screen = corrected(settings, _visibility(settings, culling, signals), culling.mask)
     passes = [
         gbuffer(WHITE, geometric=flat, material=light is not None and light.specular > 0),
         *([draw_labels()] if LABELS in wanted else []),
@@ -105,7 +105,7 @@ def plan_render(
         *layers(settings),
         *_depth_table(settings, size),
         *add_prisms(settings.method, drawn_scale(settings)),
-        *_over_frames(settings, screen, moment),
+        *excluded(settings, _over_frames(settings, screen, moment)),
         *_image(settings, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
         *(resolve(wanted, many) if many > 1 else []),
     ]
@@ -187,7 +187,7 @@ def _visibility(settings: Settings, culling: CullingPlan, signals: Signals) -> l
     scale = drawn_scale(settings)
     if scale == 1:
         return _at_full_size(settings, culling, signals)
-    if drawn_filter(settings) is None and "depth_table" in settings.method.traits.inputs:
+    if _depth_alone(settings):
         return _by_depth_alone(settings.method, culling, scale)
     return _at_smaller_size(settings, culling, scale, signals)
 
@@ -196,7 +196,21 @@ def _over_frames(settings: Settings, screen: Sequence[Pass], moment: Moment | No
     """Return the passes of visibility, in a sequence with noise of its phase and averaged over its frames."""
     if moment is None:
         return list(screen)
-    return averaged([in_phase(task, settings.method.traits.noise_tile, moment.phase) for task in screen], moved=moment.moved)
+    phased = [in_phase(task, settings.method.traits.noise_tile, moment.phase) for task in screen]
+    return averaged(phased, *_averaged_at(settings), moved=moment.moved)
+
+
+def _averaged_at(settings: Settings) -> tuple[str, int]:
+    """Return which visibility is averaged over frames, and its scale: the small one, where no more than upsampling follows."""
+    scale, blur = drawn_scale(settings), drawn_filter(settings)
+    if scale == 1 or _depth_alone(settings) or settings.method.traits.refine_below or settings.rays:
+        return VISIBILITY, 1
+    return FilterJob(scale=scale).result if blur else VISIBILITY_RAW, scale
+
+
+def _depth_alone(settings: Settings) -> bool:
+    """Return whether a method at a smaller size reads no normals."""
+    return drawn_filter(settings) is None and "depth_table" in settings.method.traits.inputs
 
 
 def _depth_table(settings: Settings, size: Size) -> list[Pass]:

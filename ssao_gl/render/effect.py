@@ -134,7 +134,8 @@ class Effect:
             moment = None if past is None else past.begin(moved=moved)
             frame = self._frame(depth_kind, normal is not None, output, moment)
             if past is not None:
-                inputs, copies = {**inputs, GIVEN_HISTORY: past.texture}, {**copies, HISTORY: past.target}
+                before, after = past.textures(frame.plan.size_of(HISTORY))
+                inputs, copies = {**inputs, GIVEN_HISTORY: before}, {**copies, HISTORY: after}
             then = None if past is None else past.uniforms(camera)
             drawn = frame.run(view, inputs, copies=copies, moment=then, timed=timed, checked=self._debug)
             if past is not None:
@@ -151,7 +152,7 @@ class Effect:
         self._kept = None
 
     def _past(self) -> TextureHistory:
-        self._kept = self._kept or TextureHistory(self._resources, self.size)
+        self._kept = self._kept or TextureHistory(self._resources)
         return self._kept
 
     def describe(self, depth_kind: str = WINDOW_DEPTH, *, normal: bool = False, color: bool = True) -> str:

@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import FormatError
 from ..gl.programs import GpuResources
 from ..io.atomic import atomic_write
-from ..passes.temporal import MOST_FRAMES, Moment
+from ..passes.temporal import PHASES, Moment
 from ..scene.camera import Camera
 from ..scene.projection import Size, ViewConstants
 
@@ -21,8 +22,8 @@ Matrix = NDArray[np.float64]
 class History:
     """The frames of a sequence so far, of one size, settings and scene. A new one begins a new sequence, as a cut in a film does.
 
-    state: (h, w, 4) float32 of the last frame with its guard band, row 0 on top: visibility, number of frames, linear depth, 0;
-    None before the first. frame: number of the next one. moved: whether things moved since the last frame; see
+    state: (h, w, 4) float32 of the last frame with its guard band, row 0 on top, at the size at which it is averaged: visibility,
+    number of frames, linear depth, 0; None before the first. frame: number of the next one. moved: whether things moved since the last frame; see
     :class:`~ssao_gl.passes.temporal.Moment`.
     """
 
@@ -36,7 +37,7 @@ class History:
     @property
     def moment(self) -> Moment:
         """The next frame, as plans know it."""
-        return Moment(self.frame % MOST_FRAMES, self.moved)
+        return Moment(self.frame % PHASES, self.moved)
 
     def given(self, size: Size) -> NDArray[np.float32]:
         """Return what the last frame left for a frame of that size; nothing where that is another one."""
@@ -76,28 +77,35 @@ class History:
 class TextureHistory:
     """The same on the GPU, for programs that draw: the last frame's state in a texture that stays."""
 
-    def __init__(self, resources: GpuResources, size: Size) -> None:
+    def __init__(self, resources: GpuResources) -> None:
         self._past = History()
-        self.texture = resources.upload(self._past.given(size))
-        self.target = resources.ctx.mgl.framebuffer([self.texture])
+        self._resources = resources
+        self._made: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
 
     def begin(self, *, moved: bool) -> Moment:
         """Return the next frame."""
         self._past.moved = moved
         return self._past.moment
 
+    def textures(self, size: Size) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
+        """Return the texture of the last frame's state, of the size that all frames have, and the framebuffer that writes it."""
+        if self._made is None:
+            texture = self._resources.upload(self._past.given(size))
+            self._made = texture, self._resources.ctx.mgl.framebuffer([texture])
+        return self._made
+
     def uniforms(self, camera: Camera) -> dict[str, Any]:
         """Return its uniforms; see :meth:`History.uniforms`."""
         return self._past.uniforms(camera)
 
     def end(self, view: ViewConstants, camera: Camera) -> None:
-        """Take the frame that was drawn, and copied into ``target``, for the last one."""
+        """Take the frame that was drawn, and copied into the texture, for the last one."""
         self._past.keep(None, view, camera)
 
     def release(self) -> None:
         """Free both GL objects."""
-        self.target.release()
-        self.texture.release()
+        for made in reversed(self._made or ()):
+            made.release()
 
 
 def reprojection(pose: Matrix, projection: Matrix, before: Matrix) -> dict[str, Any]:

@@ -118,7 +118,8 @@ class Renderer:
         fine, moment = is_fine(visibility_bits, aovs), None if history is None else history.moment
         made, frame, seen = self._ready(scene, camera, size, settings, aovs, fine=fine, moment=moment)
         started = time.perf_counter()
-        with uploaded(self._resources, {} if history is None else {GIVEN_HISTORY: history.given(made.view.size)}) as inputs:
+        past = {} if history is None else {GIVEN_HISTORY: history.given(frame.plan.size_of(HISTORY))}
+        with uploaded(self._resources, past) as inputs:
             then = None if history is None else history.uniforms(seen.camera)
             drawn = frame.run(made.view, inputs, scene=seen, region=made.region, moment=then, checked=checked)
             seen_through = made.settings.shading.background_rgba[3] < 1

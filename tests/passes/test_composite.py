@@ -9,6 +9,7 @@ import ssao_gl as ao
 from ssao_gl.errors import SettingsError
 from ssao_gl.graph.draws import Fullscreen
 from ssao_gl.pipeline.build import plan_apply
+from ssao_gl.pipeline.light import Light
 from ssao_gl.scene.srgb import decode, encode
 
 SIZE = (48, 32)
@@ -44,17 +45,20 @@ def test_hidden_light_is_tinted_and_visibility_raised(renderer: ao.Renderer, sha
     assert drawn.arrays["visibility"].min() < 0.8
 
 
-def test_rendered_scenes_have_them_too(renderer: ao.Renderer, embedded: ao.Scene) -> None:
+@pytest.mark.parametrize("light", [None, Light(), Light(indirect="tint")], ids=["ambient", "lit", "bounces"])
+def test_rendered_scenes_have_them_too(renderer: ao.Renderer, embedded: ao.Scene, light: Light | None) -> None:
     method = ao.Alchemy(radius=0.5)
-    plain, warm, white = (
-        renderer.render(embedded, None, SIZE, settings=ao.Settings(method=method, shading=shading), aovs=("image",)).arrays[
-            "image"
-        ]
-        for shading in (ao.Shading(), ao.Shading(tint="#ff0000"), ao.Shading(tint="white"))
+    plain, warm, white, dark = (
+        renderer.render(
+            embedded, None, SIZE, settings=ao.Settings(method=method, shading=shading, light=light), aovs=("image",)
+        ).arrays["image"]
+        for shading in (ao.Shading(), ao.Shading(tint="#ff0000"), ao.Shading(tint="white"), ao.Shading(power=2.0))
     )
     more = warm.astype(int) - plain
     assert more[..., 0].max() > 10 and np.abs(more[..., 1:3]).max() <= 2
     assert (white.astype(int) - plain).min() >= -2
+    less = plain.astype(int) - dark
+    assert less.min() >= -2 and less.max() > 10
 
 
 def test_off_they_cost_nothing() -> None:
