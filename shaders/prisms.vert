@@ -2,10 +2,12 @@
 // and all that is nearer to it than the radius, on its front or on both sides. The box is a strip of 14 corners, by the number of
 // the vertex; its back faces alone are drawn, each pixel once, wherever the eye is.
 #needs es300
+#include "lib/box_strip.glsl"
+
 uniform mat4 u_view;
 uniform mat4 u_projection;
-uniform float u_radius;      // scene units
-uniform float u_per_radius;  // 1 / u_radius: dividing is not as exact everywhere
+uniform float u_volume_radius;  // scene units
+uniform float u_per_radius;  // 1 / u_volume_radius: dividing is not as exact everywhere
 uniform float u_texel_reach;  // a texel of the target, scene units per unit of clip w
 uniform vec2 u_w;
 
@@ -39,16 +41,14 @@ void main() {
     vec2 second = vec2(dot(a, x), dot(a, y)), third = vec2(dot(away, x), dot(away, y));
     vec2 low = min(min(second, third), vec2(0.0)), high = max(max(second, third), vec2(0.0));
     // A texel wider, since what it shows lies beside its middle.
-    float farthest = max(-v_first.z, max(-v_second.z, -v_third.z)) + u_radius;
-    float more = u_radius + u_texel_reach * abs(u_w.x * farthest + u_w.y);
-    // Corners of a cube in the order of one strip.
-    int bit = 1 << gl_VertexID;
-    vec3 corner = vec3((0x287A & bit) != 0, (0x02AF & bit) != 0, (0x31E3 & bit) != 0);
+    float farthest = max(-v_first.z, max(-v_second.z, -v_third.z)) + u_volume_radius;
+    float more = u_volume_radius + u_texel_reach * abs(u_w.x * farthest + u_w.y);
+    vec3 corner = ssao_box_corner();
     vec2 flat_place = mix(low - more, high + more, corner.xy);
 #ifdef BOTH_SIDES
     float height = mix(-more, more, corner.z);
 #else
-    float height = mix(u_radius - more, more, corner.z);
+    float height = mix(u_volume_radius - more, more, corner.z);
 #endif
     gl_Position = u_projection * vec4(v_first + flat_place.x * x + flat_place.y * y + height * up, 1.0);
     gl_Position.z = 0.0;  // nothing is cut off before the near or behind the far plane

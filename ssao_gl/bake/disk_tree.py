@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .disks import AREA
+from ..scene.surface_patches import AREA
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]

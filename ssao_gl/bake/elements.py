@@ -18,11 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import SettingsError
+from ..scene.surface_patches import AREA
 from ..truth.batches import Places, local_radius
 from ..truth.blockers import threads
 from ..truth.rays import RayScene
 from .disk_tree import DiskTree, disk_tree
-from .disks import AREA, disks_of
+from .disks import disks_of
 from .settings import Baking
 
 F64 = NDArray[np.float64]

@@ -30,7 +30,7 @@ def variants(methods: Sequence[str] = (), presets: Sequence[str] = (), ranges: I
     for name in methods:
         method(name)
     chosen = list(dict.fromkeys(methods)) or [
-        name for name in general() if name != TRUTH and method(name).traits.prisms is None
+        name for name in general() if name != TRUTH and method(name).traits.elements is None
     ]
     spreads = _spreads(ranges, chosen)
     found = [

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import ContextError
-from ..graph.draws import DrawPrisms, DrawScene, Fullscreen, HostWork, ViewValue
+from ..graph.draws import DrawElements, DrawScene, Fullscreen, HostWork, ViewValue
 from ..graph.names import DEPTH, DEPTH_LAYER_2
 from ..graph.plan import Plan, PlannedPass
 from ..graph.regions import DrawRegion, Rect
@@ -171,9 +171,9 @@ class FrameExecutor:
                     raise ContextError(f"pass '{step.task.name}' draws a scene, and this frame has none")
                 clear_targets(self._resources.ctx, step, target, draw.clears)
                 self._scene(draw, step, textures, view, scene)
-            case DrawPrisms() as draw:
+            case DrawElements() as draw:
                 clear_targets(self._resources.ctx, step, target, dict.fromkeys(step.writes, (0.0,) * 4))
-                self._prisms(draw, step, textures, view, scene, region)
+                self._elements(draw, step, textures, view, scene, region)
             case HostWork() as draw:
                 if scene is None or draw.work not in scene.hosts:
                     raise ContextError(f"pass '{step.task.name}' is the host's work, and nobody does it in this frame")
@@ -231,7 +231,7 @@ class FrameExecutor:
         program.set(self._evaluated(draw, step, textures, view))
 
     def _evaluated(
-        self, draw: Fullscreen | DrawScene | DrawPrisms, step: PlannedPass, textures: Mapping[str, Any], view: ViewConstants
+        self, draw: Fullscreen | DrawScene | DrawElements, step: PlannedPass, textures: Mapping[str, Any], view: ViewConstants
     ) -> dict[str, Any]:
         """Return the uniforms of a draw, with what depends on the view put in."""
         return {
@@ -255,15 +255,15 @@ class FrameExecutor:
             else:
                 scene.buffers.draw(draw, *scene.lit.eyes[draw.view], step.writes, uniforms, np.eye(4), drawn)
 
-    def _units(self, draw: DrawScene | DrawPrisms, textures: Mapping[str, Any]) -> dict[str, int]:
+    def _units(self, draw: DrawScene | DrawElements, textures: Mapping[str, Any]) -> dict[str, int]:
         """Bind the resources that a draw samples, and return the unit of each sampler."""
         for unit, resource in enumerate(draw.samplers.values()):
             self._resources.bind(unit, textures[resource])
         return {name: unit for unit, name in enumerate(draw.samplers)}
 
-    def _prisms(
+    def _elements(
         self,
-        draw: DrawPrisms,
+        draw: DrawElements,
         step: PlannedPass,
         textures: Mapping[str, Any],
         view: ViewConstants,
@@ -275,13 +275,13 @@ class FrameExecutor:
         if any(step.task.writes[name].format == "r32f" for name in step.writes) and not self._resources.ctx.blends_floats:
             raise ContextError(
                 f"pass '{step.task.name}': {self._resources.ctx.renderer} does not add up 32-bit floats; use half floats"
-                " (aov.sums=half), or another method"
+                " (the method's sums=half), or another method"
             )
         units = self._units(draw, textures)
         standard = {**view.constants, **target_constants(view, step)}
         uniforms = {**standard, **units, **self._evaluated(draw, step, textures, view)}
         with self._state(step, region.of(step)):
-            scene.buffers.draw_prisms(draw, scene.camera, view, uniforms, onto_target(view, step))
+            scene.buffers.draw_elements(draw, scene.camera, view, uniforms, onto_target(view, step))
 
     def _host(
         self,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..graph.draws import DrawPrisms, DrawScene
+from ..graph.draws import DrawElements, DrawScene
 from ..graph.names import LABELS
 from ..scene.camera import Camera
 from ..scene.labels import scene_labels
@@ -17,8 +17,8 @@ from ..scene.projection import Matrix, ViewConstants
 from ..scene.spheres import Spheres
 from ..scene.volume import Volume
 from .depth_range import fit_depth_range, log_depth, near_one
+from .element_buffers import ElementBuffers
 from .mesh_buffers import MeshBuffers
-from .prism_buffers import PrismBuffers
 from .programs import GpuResources
 from .scene_draw import SceneDraw, ThingBuffers
 from .sphere_buffers import SphereBuffers
@@ -41,7 +41,7 @@ class SceneBuffers:
     def __init__(self, resources: GpuResources, scene: Scene) -> None:
         self.scene = scene
         self._resources = resources
-        self._prisms: PrismBuffers | None = None
+        self._elements: dict[str, ElementBuffers] = {}
         self._parts: list[ThingBuffers] = []
         self._center = scene.bounds.mean(0)
         try:
@@ -87,13 +87,16 @@ class SceneBuffers:
         for part in self._parts:
             part.draw(seen)
 
-    def draw_prisms(
-        self, draw: DrawPrisms, camera: Camera, view: ViewConstants, uniforms: Mapping[str, Any], onto: Matrix
+    def draw_elements(
+        self, draw: DrawElements, camera: Camera, view: ViewConstants, uniforms: Mapping[str, Any], onto: Matrix
     ) -> None:
-        """Draw the space around every triangle into the bound framebuffer. ``onto``: as of :meth:`draw`."""
-        if self._prisms is None:
-            self._prisms = PrismBuffers(self._resources, self.scene)
-        self._prisms.draw(draw, camera, view, uniforms, onto)
+        """Draw the space around every element into the bound framebuffer. ``onto``: as of :meth:`draw`."""
+        made = self._elements.get(draw.elements)
+        if made is None or made.patch != draw.patch:
+            if made is not None:
+                made.release()
+            made = self._elements[draw.elements] = ElementBuffers(self._resources, self.scene, draw.elements, draw.patch)
+        made.draw(draw, camera, view, uniforms, onto)
 
     def _depth_range(self, from_center: Matrix) -> tuple[float, float]:
         """Smallest and largest linear depth of the scene's bounding box."""
@@ -107,6 +110,6 @@ class SceneBuffers:
         for part in self._parts:
             part.release()
         self._parts = []
-        if self._prisms is not None:
-            self._prisms.release()
-            self._prisms = None
+        for made in self._elements.values():
+            made.release()
+        self._elements = {}

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -110,15 +111,17 @@ class DrawScene:
 
 
 @dataclass(frozen=True, slots=True)
-class DrawPrisms:
-    """The space around each triangle of the frame's scene, up to ``radius`` (scene units) from it, where the pixels within are.
+class DrawElements:
+    """The space around each element of the frame's scene, up to ``radius`` (scene units) from it, where the pixels within are.
 
-    shaders: vertex and fragment shader. both_sides: in front of the triangle and behind it.
+    elements: "triangles", or "spheres": the scene's own, and those that stand for patches of its triangles. patch: the width of
+    patches, scene units. shaders: vertex and fragment shader.
     """
 
+    elements: Literal["triangles", "spheres"]
     shaders: tuple[str, str]
     radius: float
-    both_sides: bool
+    patch: float = 0.0
     samplers: Mapping[str, str] = field(default_factory=dict)
     uniforms: Mapping[str, Uniform] = field(default_factory=dict)
     defines: Mapping[str, Define] = field(default_factory=dict)
@@ -136,7 +139,7 @@ class HostWork:
     values: Mapping[str, Define] = field(default_factory=dict)
 
 
-Draw = Fullscreen | DrawScene | DrawPrisms | HostWork
+Draw = Fullscreen | DrawScene | DrawElements | HostWork
 
 
 def as_uniforms(values: Mapping[str, object]) -> dict[str, Uniform]:

@@ -16,7 +16,7 @@ BAKED = "baked_visibility"
 """Visibility that the scene's meshes keep, 1 where they keep none."""
 
 HIDDEN = "hidden"
-"""Sum over the scene's triangles of the share of a pixel's hemisphere that each hides."""
+"""Sum over the scene's elements of the share of a pixel's hemisphere that each hides; of spheres, of -log(1 - share)."""
 FIELD, FIELD_COARSE = "field", "field_coarse"
 """Shares that the scene fills of its voxels, and opacities of larger ones: 3-D textures, made once."""
 

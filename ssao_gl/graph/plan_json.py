@@ -18,11 +18,11 @@ from typing import Any, Literal
 
 from ..errors import GraphError, one_line
 from .declare import DepthTest, Pass, Texture
-from .draws import DrawPrisms, DrawScene, FloatTable, Fullscreen, HostWork, ViewValue
+from .draws import DrawElements, DrawScene, FloatTable, Fullscreen, HostWork, ViewValue
 from .plan import Plan, PlannedPass, Slot
 
 FORMAT = "ssao_gl plan 1"
-RECORDS = {kind.__name__: kind for kind in (Fullscreen, DrawScene, DrawPrisms, HostWork, FloatTable, ViewValue)}
+RECORDS = {kind.__name__: kind for kind in (Fullscreen, DrawScene, DrawElements, HostWork, FloatTable, ViewValue)}
 """Records that stand where others could, by their kind."""
 FIXED = (Plan, PlannedPass, Pass, Slot, Texture, DepthTest)
 """Records whose place tells what they are."""

@@ -15,7 +15,7 @@ from ..sampling import noise
 from ..settings import setting, validate
 from .base import Deviation
 from .registry import register
-from .traits import PrismTraits, Traits
+from .traits import ElementTraits, Traits
 
 
 @register
@@ -58,8 +58,10 @@ class OcclusionVolumes:
 
     @property
     def traits(self) -> Traits:
-        prisms = PrismTraits(self.power, self.sides == "both", self.sums == "float", 1e6 * self.max_fill)
-        return Traits(inputs=frozenset({"depth", "scene"}), scale=self.scale, noise_tile=0, max_reach=1.0, prisms=prisms)
+        elements = ElementTraits(
+            "triangles", self.sums == "float", 1e6 * self.max_fill, {"u_power": self.power}, both_sides=self.sides == "both"
+        )
+        return Traits(inputs=frozenset({"depth", "scene"}), scale=self.scale, noise_tile=0, max_reach=1.0, elements=elements)
 
     def defines(self) -> Mapping[str, Define]:
         return {"COMPENSATION": int(self.compensation == "exp")}

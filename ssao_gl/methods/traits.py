@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from ..graph.names import BENT_NORMAL, GAINED, VISIBILITY
 
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
 
 INPUTS = ("depth", "normal", "depth_table", "second_layer", "history", "scene", "prepared", "baked")
 """What a method may need. depth, normal: of what is seen. depth_table: sums of inverse depth. second_layer: depth of what lies behind it. history: what the last
-frame left. scene: the triangles themselves. prepared: data made once from the scene. baked: visibility that its meshes keep. The last five come from a renderer that
+frame left. scene: the things in it themselves. prepared: data made once from the scene. baked: visibility that its meshes keep. The last five come from a renderer that
 has the scene; arrays and effects have none."""
 
 OUTPUTS = (VISIBILITY, BENT_NORMAL, GAINED)
@@ -28,17 +29,20 @@ NEEDS_SCENE = frozenset({"second_layer", "history", "scene", "prepared", "baked"
 
 
 @dataclass(frozen=True, slots=True)
-class PrismTraits:
-    """How a method adds up what each triangle of the scene hides.
+class ElementTraits:
+    """How a method adds up what each element of the scene hides.
 
-    power: of the falloff with height above the triangle. both_sides: also behind it. exact_sums: in 32-bit floats. max_fill: fragments
-    beyond which it refuses.
+    elements: "triangles", or "spheres": the scene's own, and those that stand for patches of its triangles. exact_sums: in 32-bit
+    floats. max_fill: fragments beyond which it refuses. constants: uniforms of the element's shader, as of :meth:`.Method.constants`.
+    both_sides: of triangles, also behind them. patch: the width of patches, in radii.
     """
 
-    power: float
-    both_sides: bool
+    elements: Literal["triangles", "spheres"]
     exact_sums: bool
     max_fill: float
+    constants: Mapping[str, Any]
+    both_sides: bool = True
+    patch: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,8 +87,8 @@ class Traits:
     refine_below: float = 0.0
     """Weight of the smaller image's texels below which a pixel is drawn again, by ``refined``."""
     refined: Method | None = None
-    prisms: PrismTraits | None = None
-    """How what it reads of the scene's triangles is added up; None: it reads nothing of them."""
+    elements: ElementTraits | None = None
+    """How what it reads of the scene's elements is added up; None: it reads nothing of them."""
     affordable: Method | None = None
     """The method with fewer taps, where its own make it exhaustive: for tests by the thousand."""
 

@@ -41,12 +41,12 @@ from ..passes.composite import composite, toned
 from ..passes.culling import shade_mask
 from ..passes.denoise import Filter, FilterJob, FilterTraits
 from ..passes.depth_table import TABLE_SCALE, depth_table
+from ..passes.elements import add_elements
 from ..passes.gbuffer import gbuffer
 from ..passes.halo import paint_halo
 from ..passes.labels import draw_labels
 from ..passes.occlusion import occlude, refine_missed
 from ..passes.prepare import depth_over_far, encode_normals, linearize, pack_visibility, reconstruct_normals
-from ..passes.prisms import add_prisms
 from ..passes.resolution import downsample, upsample, upsample_by_depth
 from ..passes.resolve import resolve, resolved
 from ..passes.temporal import Moment, averaged, in_phase
@@ -104,7 +104,7 @@ def plan_render(
         *light_before_occlusion(settings, light),
         *layers(settings),
         *_depth_table(settings, size),
-        *add_prisms(settings.method, drawn_scale(settings)),
+        *add_elements(settings.method, drawn_scale(settings)),
         *excluded(settings, _over_frames(settings, screen, moment)),
         *_image(settings, background, direct=True, test=DepthTest(SCENE_MASK, far=True)),
         *(resolve(wanted, many) if many > 1 else []),

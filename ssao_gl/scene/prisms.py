@@ -70,11 +70,16 @@ def prism_fill(scene: Scene, camera: Camera, view: ViewConstants, size: Size, ra
         if not len(corners):
             continue
         seen = corners @ from_middle[:3, :3].T + from_middle[:3, 3]
-        farthest = radius - seen[..., 2].min(1)
-        texel = view.pixel * max(view.size[0] / size[0], view.size[1] / size[1]) * np.abs(view.w1 * farthest + view.w0)
+        texel = texel_reach(radius - seen[..., 2].min(1), view, size)
         boxes = _boxes(seen, radius + texel, -(radius + texel) if both_sides else -texel)
-        total += each * float(_shares(boxes, view).sum())
+        total += each * float(shares(boxes, view).sum())
     return total * size[0] * size[1]
+
+
+def texel_reach(farthest: F64, view: ViewConstants, size: Size) -> F64:
+    """Return how wide a texel of a target of ``size`` is at linear depths (n,)."""
+    pixels = max(view.size[0] / size[0], view.size[1] / size[1])
+    return np.asarray(view.pixel * pixels * np.abs(view.w1 * farthest + view.w0))
 
 
 def _boxes(triangles: F64, reach: F64, below: F64) -> F64:
@@ -95,7 +100,7 @@ def _boxes(triangles: F64, reach: F64, below: F64) -> F64:
     return np.asarray(triangles[:, :1] + np.einsum("nki,nij->nkj", chosen, sides))
 
 
-def _shares(boxes: F64, view: ViewConstants) -> F64:
+def shares(boxes: F64, view: ViewConstants) -> F64:
     """Return the share of the image (n,) that each box (n, 8, 3) in view space covers."""
     m = view.projection
     clip = boxes @ m[:, :3].T + m[:, 3]

@@ -11,11 +11,12 @@ import pytest
 
 import ssao_gl as ao
 from ssao_gl.bake.disk_tree import disk_tree
-from ssao_gl.bake.disks import _joined, disks_of
+from ssao_gl.bake.disks import disks_of
 from ssao_gl.bake.elements import Elements, elements
 from ssao_gl.bake.settings import Baking, OcclusionTexture
 from ssao_gl.scene.model import Mesh, Scene
 from ssao_gl.scene.sample_scene import default_scene
+from ssao_gl.scene.surface_patches import joined
 from ssao_gl.truth.rays import RayScene
 
 pytest.importorskip("numba")
@@ -153,9 +154,9 @@ def test_many_small_disks_become_few_and_layers_of_a_cell_are_one() -> None:
     rng = np.random.default_rng(0)
     flat = rng.random((5000, 3)) * [1, 1, 1e-3]
     disks = np.column_stack([flat, np.tile([0, 0, 1], (5000, 1)), np.full(5000, 1 / 5000)])
-    few = _joined(disks, 0.25)
+    few = joined(disks, 0.25)
     assert len(few) == 16 and few[:, 6].sum() == pytest.approx(1, abs=0.05)
-    assert _joined(np.concatenate([disks, disks]), 0.25)[:, 6].sum() == pytest.approx(1, abs=0.05)
+    assert joined(np.concatenate([disks, disks]), 0.25)[:, 6].sum() == pytest.approx(1, abs=0.05)
 
 
 def test_pieces_keep_the_area_and_are_small() -> None:

@@ -194,6 +194,6 @@ def test_a_driver_that_adds_up_no_floats_is_told_what_to_use(
 ) -> None:
     monkeypatch.setattr(Context, "blends_floats", property(lambda self: False))
     scene = Scene([FLOOR, Mesh(np.float32([[0, 0.1, 0], [1, 0.1, 0], [0, 0.1, 1]]), QUAD[:1])])
-    with pytest.raises(ContextError, match=r"does not add up 32-bit floats; use half floats \(aov\.sums=half\)"):
+    with pytest.raises(ContextError, match=r"does not add up 32-bit floats; use half floats \(the method's sums=half\)"):
         seen(any_renderer, scene)
     assert seen(any_renderer, scene, sums="half").min() < 0.99

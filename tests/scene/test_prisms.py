@@ -12,8 +12,8 @@ from ssao_gl.gl.executor import FrameExecutor, SceneView
 from ssao_gl.gl.scene_buffers import SceneBuffers
 from ssao_gl.graph.frame_graph import compile
 from ssao_gl.graph.names import HIDDEN
+from ssao_gl.passes.elements import add_elements
 from ssao_gl.passes.gbuffer import gbuffer
-from ssao_gl.passes.prisms import add_prisms
 from ssao_gl.scene.prisms import placed_triangles, prism_fill
 
 SIZE = (96, 72)
@@ -24,7 +24,7 @@ SIZE = (96, 72)
 def test_the_estimate_is_what_is_drawn(any_renderer: ao.Renderer, embedded: ao.Scene, radius: float, both: bool) -> None:
     """Within a quarter."""
     method = dataclasses.replace(ao.method("aov"), radius=radius, scale=1, sides="both" if both else "front")
-    (prisms,) = add_prisms(method, 1)
+    (prisms,) = add_elements(method, 1)
     counted = dataclasses.replace(
         prisms, draw=dataclasses.replace(prisms.draw, shaders=("prisms.vert", "tests.gl.shaders:ones.frag"))
     )

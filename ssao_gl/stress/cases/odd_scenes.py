@@ -65,7 +65,7 @@ def _most_changed(lab: CaseRunner, changed: Callable[[int, Scene, int, int], Seq
     return max(float((one != expected).mean()) for one in seen)
 
 
-@case("holes-of-any-texture", GROUP, ALL, 0.0, traps=(28,), why="the same bytes")
+@case("holes-of-any-texture", GROUP, ALL, 0.0, contract="holes-of-any-texture", traps=(28,), why="the same bytes")
 def holes(lab: CaseRunner) -> float:
     """Walls whose textures, of any size and wrapping, are cut out wherever they are seen change no byte of what is behind."""
 

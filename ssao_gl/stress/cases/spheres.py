@@ -39,7 +39,7 @@ def lone(lab: CaseRunner) -> float:
     return missed
 
 
-@case("coincident-spheres", GROUP, ALL, 0.0, why="the same bytes")
+@case("coincident-spheres", GROUP, ALL, 0.0, contract="coincident-spheres", why="the same bytes")
 def coincident(lab: CaseRunner) -> float:
     """Spheres of the same place and size are as one of them."""
     heap = _heap()
