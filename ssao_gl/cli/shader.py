@@ -27,6 +27,11 @@ EXAMPLES: Mapping[str, Mapping[str, preprocess.Define]] = {
     "upsample_depth.frag": {"PACKED": 1, "PINHOLE": 1},
     "halo.frag": {"SCALE": 4},
     "residual_filter.frag": {"RADIUS": 5},
+    "gather_rsm.frag": {"TAPS": 32},
+    "gather_ssdo.frag": {"TAPS": 32},
+    "resolve_mean.frag": {"SIDE": 2, "SAMPLES": 4, "SRGB": 1, "ALPHA": 1},
+    "resolve_median.frag": {"SIDE": 2, "SAMPLES": 4, "TARGETS": 2, "Z": 0, "NORMAL": 1},
+    "temporal.frag": {"TARGETS": 2},
     "denoise_intensity.frag": {"PACKED": 1, "RADIUS": 4, "WIDTH": 4, "HEIGHT": 4, "LAST": 1},
 }
 """Defines that a shader cannot do without, as the default settings give them."""

@@ -88,7 +88,9 @@ def build(name: str, defines: Mapping[str, Define] | None = None, dialect: str =
     if dialect not in DIALECTS:
         raise ShaderError(f"unknown dialect '{dialect}'; one of {', '.join(DIALECTS)}.{near_miss(dialect, DIALECTS)}")
     if name not in names() and not (":" in name and _path(name).is_file()):
-        raise ShaderError(f"there is no shader '{name}'; there are {', '.join(names())}.{near_miss(name, names())}")
+        methods = [known for known in names() if known.startswith("methods/")]
+        listed = f"{', '.join(methods)}, and others (ssao-gl shader lists them)"
+        raise ShaderError(f"there is no shader '{name}'; there are {listed}.{near_miss(name, names())}")
     defines = dict(defines or {})
     if dialect == "es100" and not speaks_es100(name, defines):
         raise ShaderError(f"{name} needs integers or several targets, which GLSL ES 1.00 has not; use --dialect es300")

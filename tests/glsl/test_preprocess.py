@@ -21,6 +21,8 @@ def variants() -> list[tuple[str, dict[str, preprocess.Define], str]]:
         extras: list[dict[str, preprocess.Define]] = [{}, {"PACKED": 1}] if name.startswith("methods/") else [{}]
         if name == "linearize.frag":
             extras.append({"WINDOW_DEPTH": 1})
+        if name == "temporal.frag":
+            extras += [{"MOVED": 1}, {"TARGETS": 1, "PACKED": 1, "SMALL": 1}]
         if name == "composite.frag":
             extras.append({"DIRECT": 1})
         if name in ("light.frag", "bounce.frag"):
