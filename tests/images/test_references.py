@@ -32,8 +32,9 @@ CHANGED = {
     "gtao": {"power": 1.0},
     "bitmask": {"scale": 1, "slices": 8},
     "vom": {"scale": 2},
+    "field": {"cones": 16},
 }
-"""vom at half size, where a pixel on the edge of a triangle decides for 2x2 and not for 4x4. bitmask at full size and by enough
+"""field by many cones, of which one that falls into the next voxel on another renderer is a small part. vom at half size, where a pixel on the edge of a triangle decides for 2x2 and not for 4x4. bitmask at full size and by enough
 slices that a sector is 1/255; the case ``default`` shows it at half. For a method that takes minutes on the slower software renderers as it is, and for two of such contrast that what renderers
 differ by at the edges of triangles (1.0 % of the values by more than 2/255) would be all that the picture tests."""
 
