@@ -18,6 +18,8 @@ from .base import Method
 from .traits import Traits
 
 AnyMethod = TypeVar("AnyMethod", bound=type)
+DEFAULT_METHOD = "bitmask"
+"""The method where none is named; it is listed first."""
 _METHODS: dict[str, type[Method]] = {}
 _OPTIONAL: Mapping[str, Any] = {"presets": {}, "exceptions": {}, "traits": Traits()}
 """Members that a method may leave out, and what they are then."""
@@ -57,7 +59,10 @@ def registry() -> Mapping[str, type[Method]]:
         except Exception as error:  # somebody else's code may fail in any way
             where = f"{entry.name} ({entry.value})"
             log.warning("the AO method %s cannot be used: %s: %s", where, type(error).__name__, one_line(error, 200))
-    return dict(_METHODS)
+    # Not as they happened to be imported: the default first, ours by name, then those of others.
+    ours = [name for name, kind in _METHODS.items() if kind.__module__.startswith(f"{methods.__name__}.")]
+    order = [*sorted(ours, key=lambda name: (name != DEFAULT_METHOD, name)), *(name for name in _METHODS if name not in ours)]
+    return {name: _METHODS[name] for name in order}
 
 
 def general() -> list[str]:

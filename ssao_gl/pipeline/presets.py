@@ -10,13 +10,11 @@ from typing import Any
 
 from ..errors import SettingsError, near_miss
 from ..io.atomic import why_unreadable
-from ..methods.registry import method, registry
+from ..methods.registry import DEFAULT_METHOD, method, registry
 from ..passes.denoise import FILTERS, filter_named
 from ..settings import assign
 from .light import Light
 from .settings import CULLING_RULES, Settings, Shading
-
-DEFAULT_METHOD = "bitmask"
 
 COUNTS = ("slices", "directions", "pairs", "steps")
 """Settings that stand for the number of taps, where a method has no ``samples``."""
