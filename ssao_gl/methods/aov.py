@@ -13,6 +13,7 @@ from ..graph.draws import Define
 from ..graph.names import HIDDEN, PIXEL_DEPTH
 from ..sampling import noise
 from ..settings import setting, validate
+from . import element_settings
 from .base import Deviation
 from .registry import register
 from .traits import ElementTraits, Traits
@@ -45,13 +46,9 @@ class OcclusionVolumes:
     )
     compensation: str = setting("exp", "for what hides the same directions: C of the sum", choices=("exp", "none"))
     intensity: float = setting(1.0, "strength: a factor of the sum", low=0, high=16)
-    scale: int = setting(2, "pixels along each side of a texel that occlusion is added up for", low=1, high=4)
-    sums: str = setting(
-        "float",
-        "floats that sums are kept in: of 32 bits, or half of that for drivers that add up no others",
-        choices=("float", "half"),
-    )
-    max_fill: float = setting(8000.0, "largest fill; a picture that needs more is refused", unit="million fragments", above=0)
+    scale: int = element_settings.scale()
+    sums: str = element_settings.sums()
+    max_fill: float = element_settings.max_fill()
 
     def __post_init__(self) -> None:
         validate(self)

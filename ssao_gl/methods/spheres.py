@@ -15,6 +15,7 @@ from ..graph.names import DEPTH, HIDDEN, NORMAL, PIXEL_DEPTH, PIXEL_NORMAL
 from ..sampling import noise
 from ..sampling.disk import Kernel
 from ..settings import setting, validate
+from . import element_settings
 from .base import Deviation
 from .registry import register
 from .traits import ElementTraits, Traits
@@ -49,13 +50,9 @@ class SphereLevels:
     patch: float = setting(0.3, "width of surface patches that a far sphere stands for", unit="radii", low=0.05, high=1)
     intensity: float = setting(1.0, "strength: a factor of what spheres hide", low=0, high=16)
     max_radius: float = noise.max_radius()
-    scale: int = setting(2, "pixels along each side of a texel that occlusion is added up for", low=1, high=4)
-    sums: str = setting(
-        "float",
-        "floats that sums are kept in: of 32 bits, or half of that for drivers that add up no others",
-        choices=("float", "half"),
-    )
-    max_fill: float = setting(8000.0, "largest fill; a picture that needs more is refused", unit="million fragments", above=0)
+    scale: int = element_settings.scale()
+    sums: str = element_settings.sums()
+    max_fill: float = element_settings.max_fill()
 
     def __post_init__(self) -> None:
         validate(self)

@@ -27,13 +27,12 @@ OWN = "as asked"
 
 def shown_looks(settings: Settings | None) -> dict[str, Pipeline]:
     """Return the pipelines of a page by name: the caller's first, where it is none of those that are offered."""
-    looks = {name: look_pipeline(known) for name, known in offered().items()}
-    first = "bitmask medium"
+    shown, first = offered(), "bitmask medium"
     if settings is not None:
-        same = (name for name, known in offered().items() if known.with_radius(1.0) == settings.with_radius(1.0))
+        same = (name for name, known in shown.items() if known.with_radius(1.0) == settings.with_radius(1.0))
         first = next(same, OWN)
-        looks = {first: look_pipeline(settings)} | looks
-    return {first: looks[first]} | looks
+        shown = {first: settings} | shown
+    return {name: look_pipeline(one) for name, one in ({first: shown[first]} | shown).items()}
 
 
 def viewer_module() -> str:

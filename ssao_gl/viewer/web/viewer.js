@@ -381,7 +381,6 @@ export class Viewer {
         this.picture = program(this.gl, PICTURE);
         this.passes = {};
         this.truths = {};
-        this.blank = this.gl.createTexture();
     }
 
     // The canvas has the shape of the pictures by the cameras, and as many pixels as the screen shows of it, up to twice their number.
@@ -391,9 +390,7 @@ export class Viewer {
         stage.style.width = `${w * scale}px`;
         stage.style.height = `${h * scale}px`;
         const dense = Math.min(scale * (globalThis.devicePixelRatio || 1), 2);
-        // Cameras of fixed size, or rays beside it: their own pixels.
-        const own = this.options.pixels === "own" ? 1 : dense;
-        const size = [w, h].map((side) => Math.max(Math.round(side * own), 1));
+        const size = [w, h].map((side) => Math.max(Math.round(side * dense), 1));
         if (canvas.width !== size[0] || canvas.height !== size[1] || !this.buffers.size) {
             [canvas.width, canvas.height] = size;
             this.buffers.resize(...size);
