@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scene.surface_patches import AREA
+from ..scene.z_order import along_z_order
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
@@ -84,10 +85,6 @@ def _branches(disks: F64, here: I64, below: I64) -> tuple[F64, F64, I64, I64]:
 
 
 def _morton(points: F64) -> I64:
-    """(n,) places of points (n, 3) of -1..1 along a curve that goes through cells and all their parts before it goes on."""
-    cells = np.clip((points + 1) / 2 * (1 << LEVELS), 0, (1 << LEVELS) - 1).astype(np.int64)
-    found = np.zeros(len(points), np.int64)
-    for bit in range(LEVELS):
-        for axis in range(3):
-            found |= (cells[:, axis] >> bit & 1) << 3 * bit + axis
-    return found
+    """(n,) places of points (n, 3) of -1..1 along the Z-order curve."""
+    cells = np.clip((points + 1) / 2 * (1 << LEVELS), 0, (1 << LEVELS) - 1).astype(np.uint64)
+    return along_z_order(cells).astype(np.int64)

@@ -16,13 +16,12 @@ from ..graph.draws import FloatTable
 from ..passes.light import GATHERED, INDIRECT, MOST_LAMPS, SHADOW_EYE
 from ..scene import harmonics
 from ..scene.camera import Camera
-from ..scene.lamps import Lamp, LitView, Triple
+from ..scene.lamps import Lamp, LitView
 from ..scene.model import Scene
 from ..scene.projection import Size, ViewConstants
 from ..scene.shadow_view import shadow_camera
-from ..scene.srgb import decode
 from ..settings import setting, validate
-from .colors import SOLID, check_color, rgba
+from .colors import SOLID, check_color, linear_rgb
 
 ENVIRONMENTS: Mapping[str, harmonics.Coefficients] = {
     "none": harmonics.constant((0.0, 0.0, 0.0)),
@@ -181,7 +180,7 @@ def _key(light: Light, camera: Camera, level: NDArray[np.float64]) -> Lamp:
         azimuth += math.atan2(x, z)
     flat = math.cos(elevation)
     towards = level @ [flat * math.sin(azimuth), math.sin(elevation), flat * math.cos(azimuth)]
-    r, g, b = (light.intensity * part for part in _linear(light.color))
+    r, g, b = (light.intensity * part for part in linear_rgb(light.color))
     x, y, z = (-towards).tolist()
     return Lamp("directional", (r, g, b), direction=(x, y, z), name="key")
 
@@ -215,9 +214,3 @@ def _shadow_values(sun: Camera, view: ViewConstants, camera: Camera) -> dict[str
         "u_shadow_sides": (*sides[:, 0].tolist(), *sides[:, 1].tolist()),
         "u_shadow_texel": float(texel.max()),
     }
-
-
-def _linear(color: str) -> Triple:
-    """Return an sRGB text as linear light."""
-    r, g, b = (float(part) for part in decode(rgba(color)[:3]))
-    return r, g, b

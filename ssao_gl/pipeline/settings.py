@@ -15,9 +15,8 @@ from ..methods.base import Method
 from ..methods.bitmask import Bitmask
 from ..methods.registry import method
 from ..passes.denoise import Filter, Joint, filter_named
-from ..scene.srgb import decode
 from ..settings import as_table, setting, validate
-from .colors import NAMED, SOLID, check_color, rgba
+from .colors import NAMED, SOLID, check_color, linear_rgb, rgba
 from .light import Light
 
 GUARD_STEP = 16
@@ -72,8 +71,7 @@ class Shading:
     @property
     def tint_linear(self) -> tuple[float, float, float]:
         """Return linear light in 0..1."""
-        r, g, b = (float(part) for part in decode(rgba(self.tint)[:3]))
-        return r, g, b
+        return linear_rgb(self.tint)
 
     @property
     def toned(self) -> bool:

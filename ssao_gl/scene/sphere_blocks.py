@@ -7,15 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .z_order import BITS, along_z_order
+
 BLOCK = 32
 """Spheres of a block at most: small enough to be compact, large enough that looking at blocks costs little."""
-_SPREAD = (
-    (32, 0x1F00000000FFFF),
-    (16, 0x1F0000FF0000FF),
-    (8, 0x100F00F00F00F00F),
-    (4, 0x10C30C30C30C30C3),
-    (2, 0x1249249249249249),
-)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,11 +39,7 @@ def sphere_blocks(centers: NDArray[np.float64], radii: NDArray[np.float32]) -> S
 
 
 def morton_codes(points: NDArray[np.float64]) -> NDArray[np.uint64]:
-    """Return the place of each point (n, 3) along the Z-order curve (Morton 1966) through their bounding box, 21 bits an axis."""
+    """Return the place of each point (n, 3) along the Z-order curve through their bounding box."""
     low, high = points.min(0), points.max(0)
     side = float((high - low).max()) or 1.0
-    cells = ((points - low) / side * ((1 << 21) - 1)).astype(np.uint64)
-    for shift, mask in _SPREAD:  # two zero bits between one bit and the next
-        cells = (cells | cells << np.uint64(shift)) & np.uint64(mask)
-    codes: NDArray[np.uint64] = cells[:, 0] | cells[:, 1] << np.uint64(1) | cells[:, 2] << np.uint64(2)
-    return codes
+    return along_z_order(((points - low) / side * ((1 << BITS) - 1)).astype(np.uint64))
