@@ -20,10 +20,9 @@ from ..pipeline.settings import Settings
 from ..render.renderer import Renderer
 from ..scene.model import Scene
 from ..scene.projection import Size
-from ..scene.srgb import decode, encode
 
-FINER = 2
-"""Pixels along each side that are drawn for one of a thumbnail, against stairs at edges."""
+SAMPLES = 2
+"""Along each side of a pixel, at least, against stairs at edges."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,31 +48,22 @@ def thumbnails(
         name = encodable(Path(source).name) if isinstance(source, str | Path) else f"{type(source).__name__} {number}"
         try:
             scene = as_scene(source, up)
-            picture = renderer.render(scene, None, (FINER * size[0], FINER * size[1]), settings(scene), aovs=("image",))
+            picture = renderer.render(scene, None, size, _smooth(settings(scene)), aovs=("image",))
         except SsaoError as error:
             yield Thumbnail(name, None, one_line(error, 300).removeprefix(f"{source}: "))
         except MemoryError:
             yield Thumbnail(name, None, "needs more memory than there is")
         else:
-            yield Thumbnail(scene.name or name, smoothed(picture.image), "", scene.contents, scene.warnings)
+            yield Thumbnail(scene.name or name, picture.image, "", scene.contents, scene.warnings)
+
+
+def _smooth(settings: Settings) -> Settings:
+    return dataclasses.replace(settings, supersample=max(settings.supersample, SAMPLES))
 
 
 def on_ground(settings: Settings, background: str) -> Settings:
     """Return settings whose pictures have that background. Raises SettingsError."""
     return dataclasses.replace(settings, shading=dataclasses.replace(settings.shading, background=background))
-
-
-def smoothed(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return sRGB (h, w, 3 or 4) uint8 at 1 / :data:`FINER` of its size: the mean light of each block, by alpha."""
-    h, w, channels = image.shape
-    blocks = image.reshape(h // FINER, FINER, w // FINER, FINER, channels)
-    light = decode(np.arange(256) / 255)[blocks[..., :3]]
-    if channels == 3:
-        return np.round(255 * encode(light.mean((1, 3)))).astype(np.uint8)
-    alpha = blocks[..., 3:] / 255
-    cover = alpha.mean((1, 3))
-    rgb = encode((light * alpha).mean((1, 3)) / np.maximum(cover, 1 / 1024))
-    return np.round(255 * np.concatenate([rgb, cover], -1)).astype(np.uint8)
 
 
 def scene_files(paths: Iterable[Path]) -> list[Path]:
